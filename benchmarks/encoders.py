@@ -24,12 +24,11 @@ from benchmarks.tables import table
 from roomkin.stages.config.matching import EncoderOptions, MatchingConfig
 from roomkin.stages.config.model import read_files
 from roomkin.stages.contracts import Library, Truth, read_json
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.candidates import find_candidates
 from roomkin.stages.matching.encoders import EXTRA_COLUMNS, PatchEncoder, column_weights, encode_rows, make_encoder
 from roomkin.stages.matching.ranking import Query, apply_weights, compare, pool_patches
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.matching.snapshots import SceneObjects, Snapshots
 from roomkin.stages.matching.text_encoders import make_text_encoder
 
 CONFIG = [Path("config.yaml"), Path("config/study/table2.yaml")]
@@ -50,7 +49,7 @@ class Change(NamedTuple):
     position: float | None = None
 
 
-def drain(view: View) -> View:
+def drain(view: ObjectView) -> ObjectView:
     """The view without color: each pixel's luminance (ITU-R BT.601) in all three channels."""
     luminance = np.rint(view.rgb @ np.array([0.299, 0.587, 0.114])).astype(np.uint8)
     return replace(view, rgb=np.repeat(luminance[..., None], 3, axis=2))
@@ -64,12 +63,12 @@ def to_unit(rows: Rows) -> NDArray[np.float32]:
     return changed
 
 
-def read_representative(snapshots: Snapshots, asset: str) -> View:
+def read_representative(snapshots: Snapshots, asset: str) -> ObjectView:
     """The snapshot by which row (b) compares a model."""
     return snapshots.views(asset)[-1]
 
 
-class Kept:
+class KeptRows:
     """Rows of pictures, encoded once into a folder."""
 
     def __init__(self, encoder: PatchEncoder, folder: Path, change: Change) -> None:
@@ -77,7 +76,7 @@ class Kept:
         self.encoded, self.seconds = 0, 0.0
         folder.mkdir(parents=True, exist_ok=True)
 
-    def rows(self, name: str, read_view: Callable[[], View]) -> NDArray[np.floating]:
+    def rows(self, name: str, read_view: Callable[[], ObjectView]) -> NDArray[np.floating]:
         """Rows (P, D + 5) of a picture that is known by its name, and read if it is not encoded yet."""
         path = self.folder / f"{name}.npy"
         if not path.is_file():
@@ -106,7 +105,7 @@ def read_rivals(path: Path) -> dict[tuple[str, str], str]:
 
 
 def find_models(
-    results: Path, rooms: list[str], options: MatchingConfig, kept: Kept, rivals: dict[tuple[str, str], str]
+    results: Path, rooms: list[str], options: MatchingConfig, kept: KeptRows, rivals: dict[tuple[str, str], str]
 ) -> Iterator[list[str]]:
     """Room, object, true category and model, and those that were found, of every object.
 
@@ -118,7 +117,7 @@ def find_models(
     text = make_text_encoder(options)
     for room in rooms:
         inputs = results / "scenes" / room
-        scene = Scene(results / "extraction" / room / "objects.json", inputs / "input/rgb.png")
+        scene = SceneObjects(results / "extraction" / room / "objects.json", inputs / "input/rgb.png")
         truth = {item.mask: item for item in read_json(Truth, inputs / "truth.json").objects}
         for item in scene.objects.objects:
             true = truth[item.mask]
@@ -159,7 +158,7 @@ def main() -> None:
     given = EncoderOptions.model_validate({key: value for key, value in changed.items() if value})
     looks = {name: getattr(given, name) for name in ("encoder", "hog", "dinov2")}
     options = config.matching_of("b-hog").model_copy(update=looks)
-    kept = Kept(make_encoder(options), asked.keep, change)
+    kept = KeptRows(make_encoder(options), asked.keep, change)
     found, rivals = [], read_rivals(asked.rivals) if asked.rivals else {}
 
     def rows() -> Iterator[list[str]]:

@@ -18,7 +18,7 @@ import torch
 from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.config.model import read_files
 from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.encoders import make_encoder
 from roomkin.stages.policies.base import make_policy
 from roomkin.stages.training import train
@@ -79,7 +79,7 @@ def time_dinov2(device: str) -> tuple[float, float]:
         Dinov2Model(size).save_pretrained(folder)
         encoder = make_encoder(EncoderOptions.model_validate({"encoder": "dinov2", "dinov2": {"path": folder}}))
         network = Dinov2Model.from_pretrained(folder).eval().to(device)
-        view = View(np.full((240, 320, 3), 90, np.uint8), np.ones((240, 320), bool))
+        view = ObjectView(np.full((240, 320, 3), 90, np.uint8), np.ones((240, 320), bool))
         whole = PICTURES / time_calls(lambda: encoder.encode([view] * PICTURES), 2, "cpu")
         pixels = torch.zeros(PICTURES, 3, 224, 224, device=device)
         with torch.inference_mode():

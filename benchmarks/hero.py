@@ -18,13 +18,12 @@ import cv2
 import numpy as np
 
 from roomkin.plugins.films.writing import write_film
-from roomkin.plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
-from roomkin.plugins.in_scene.room import GeneratedRoom, read_room
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.plugins.in_scene.room import GeneratedRoom, find_obstacle, list_base_shifts, read_room
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import read_json
+from roomkin.stages.contracts.generated import Look
 from roomkin.stages.contracts.images import read_rgb
-from roomkin.stages.contracts.look import Look
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import Recorder
 from roomkin.stages.plugins import load
 from roomkin.stages.simulation.film_renderer import FilmRenderer, Image, Moment, Recording

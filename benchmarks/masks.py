@@ -25,7 +25,7 @@ SMALL, LARGE = 0.005, 0.05  # shares of the picture
 
 
 @dataclass(frozen=True)
-class Thing:
+class ThingScore:
     """A thing of a picture: its best piece's IoU, its share of the picture, whether it is cut by the border, hangs, and
     how many pieces have most of their pixels in it."""
 
@@ -45,7 +45,7 @@ def frame_of(folder: Path) -> Frame:
     return Frame(rgb, depth, matrix)
 
 
-def measure(folder: Path, proposers: list[str]) -> tuple[list[Thing], int, int, int, float]:
+def measure(folder: Path, proposers: list[str]) -> tuple[list[ThingScore], int, int, int, float]:
     """The named things of a picture, how many pieces were cut, how many of them can be judged, how many are a thing,
     and seconds. A piece most of which shows what nobody named, neither thing nor floor nor wall, cannot be judged."""
     exact = cv2.imread(str(folder / "exact.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
@@ -65,17 +65,17 @@ def measure(folder: Path, proposers: list[str]) -> tuple[list[Thing], int, int, 
         row, held = iou[thing.number, 1:], inside[thing.number, 1:]
         best = float(row.max()) if len(row) else 0.0
         hangs = thing.support == "wall"
-        found.append(Thing(best, thing.pixels / exact.size, thing.cut, hangs, int((held > FOUND).sum())))
+        found.append(ThingScore(best, thing.pixels / exact.size, thing.cut, hangs, int((held > FOUND).sum())))
     rows = [thing.number for thing in named]
     right = int((iou[rows].max(axis=0)[1:] > FOUND).sum()) if rows and iou.shape[1] > 1 else 0
     judged = int((inside[1:, 1:].sum(axis=0) > 0.5).sum())
     return found, len(np.unique(values[values > 0])), judged, right, seconds
 
 
-def summarise(things: list[Thing], pieces: int, judged: int, right: int) -> dict[str, str]:
+def summarise(things: list[ThingScore], pieces: int, judged: int, right: int) -> dict[str, str]:
     """Columns of the table."""
 
-    def recall(some: list[Thing]) -> str:
+    def recall(some: list[ThingScore]) -> str:
         return f"{sum(thing.iou > FOUND for thing in some)} / {len(some)}"
 
     return {

@@ -24,9 +24,9 @@ import torch
 from numpy.typing import NDArray
 
 from benchmarks.tables import table
+from roomkin.stages.matching.ranking import vote
 from roomkin.stages.matching.search import distance_table
 from roomkin.stages.matching.searches.torch import affine
-from roomkin.stages.matching.voting import vote
 from roomkin.stages.plugins import load
 
 CENTERS, SPREAD = 500, 0.6

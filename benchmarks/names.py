@@ -19,7 +19,7 @@ from scipy.optimize import minimize
 from benchmarks.name_training.looks import share_out_of_fold
 from benchmarks.name_training.outlines import EXACT, FAULTY, OWN, join, see_outlines
 from benchmarks.open_rooms.pictures import folders
-from roomkin.stages.perception.classification.propose import Weights, combine, read_head, read_network
+from roomkin.stages.perception.classification.propose import Exponents, combine, read_head, read_network
 
 Array = NDArray[np.float64]
 SAMPLES = 2000  # of the bootstrap
@@ -33,13 +33,13 @@ def likelihood(share: Array, right: NDArray[np.bool_]) -> float:
     return float((each[~none].mean() + each[none].mean()) / 2) if none.any() else float(each.mean())
 
 
-def fit(said: Array, right: NDArray[np.bool_]) -> Weights:
+def fit(said: Array, right: NDArray[np.bool_]) -> Exponents:
     """The weights by which the right names are most likely."""
 
     def loss(values: Array) -> float:
-        return -likelihood(combine(said, Weights(*values)), right)
+        return -likelihood(combine(said, Exponents(*values)), right)
 
-    return Weights(*minimize(loss, Weights(), method="Nelder-Mead", options={"maxiter": 800}).x.round(2).tolist())
+    return Exponents(*minimize(loss, Exponents(), method="Nelder-Mead", options={"maxiter": 800}).x.round(2).tolist())
 
 
 def interval(right: Array, models: NDArray[np.str_]) -> str:
@@ -90,7 +90,7 @@ def main() -> None:
             looks = read_head()[0](torch.from_numpy(seen.looks)).double().softmax(dim=1).numpy()
     said = np.concatenate([seen.said, looks[:, None]], axis=1)
     own = seen.how == OWN
-    weights = fit(said[own], right[own]) if asked.fit else Weights()
+    weights = fit(said[own], right[own]) if asked.fit else Exponents()
     print(weights)
     share, real = combine(said, weights), ~right[:, -1]
     print("first right / one of three right, %, by")

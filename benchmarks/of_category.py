@@ -10,8 +10,7 @@ import pandas as pd
 
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts import TaskAssets, read_json
-from roomkin.stages.tables.intervals import difference_interval, pair_sides, rate_interval, rate_of, side_of
-from roomkin.stages.tables.statistics import Interval
+from roomkin.stages.tables.intervals import Interval, difference_interval, pair_sides, rate_interval, rate_of, side_of
 
 
 def in_percent(rate: float, interval: Interval, sign: str = "") -> str:

@@ -32,7 +32,7 @@ from roomkin.stages.contracts.policy_config import PolicyConfig
 from roomkin.stages.plugins import parse_kwargs
 from roomkin.stages.policies.bc_rnn_gmm import Policy
 from roomkin.stages.policies.bc_rnn_gmm_options import Options
-from roomkin.stages.training.loop import GRADIENT_CLIP
+from roomkin.stages.training.state import GRADIENT_CLIP
 
 RUNS = yaml.safe_load(Path("config/paper/policies.yaml").read_text(encoding="utf-8"))["training"]["configs"]
 PAPER = PolicyConfig.model_validate(RUNS["paper"])

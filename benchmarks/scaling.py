@@ -25,11 +25,10 @@ from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import Library, Objects, read_json
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.matching.candidates import find_candidates
-from roomkin.stages.matching.codec import Codec, learn
 from roomkin.stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
 from roomkin.stages.matching.ranking import make_query, rank_models, rank_orientations
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.store import FeatureStore, Snapshot
+from roomkin.stages.matching.snapshots import SceneObjects
+from roomkin.stages.matching.store import Codec, FeatureStore, Snapshot, learn
 from roomkin.stages.matching.text_encoders import make_text_encoder
 
 
@@ -80,7 +79,7 @@ def rows(run: Path, rooms: list[str], sizes: list[int]) -> Iterator[list[Any]]:
     queries = []
     for room in rooms:
         objects = run / "results/extraction" / room / "objects.json"
-        scene = Scene(objects, run / "results/scenes" / room / "input/rgb.png")
+        scene = SceneObjects(objects, run / "results/scenes" / room / "input/rgb.png")
         found = [item for item in read_json(Objects, objects).objects if item.status != "failed"]
         queries += [(item, make_query(scene.view(item), encoder)) for item in found]
     for models in sizes:

@@ -26,7 +26,7 @@ from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.perception.camera.perspective import angles_of
 from roomkin.stages.perception.draw import draw_picture
 from roomkin.stages.perception.layout.ends import FLOOR, find_open, measure_all
-from roomkin.stages.perception.layout.room import Room, Spread, arrange, build_room, see_camera
+from roomkin.stages.perception.layout.room import FittedRoom, Spread, arrange, build_room, see_camera
 from roomkin.stages.perception.segmentation.proposal import find_border
 
 ROOM = {"floor", "wall"}
@@ -34,7 +34,7 @@ HEIGHT, TILT, SIZE = 0.12, 3.0, 0.2  # goals: of the camera's height, degrees, o
 
 
 @dataclass(frozen=True)
-class Thing:
+class ThingMiss:
     """How far a thing is off: its distance and the cube root of its volume, as shares; how its distance was told."""
 
     distance: float
@@ -43,10 +43,10 @@ class Thing:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundRoom:
     """A room, its masks (H, W) and labels, and which of these shows which thing, by its number."""
 
-    room: Room
+    room: FittedRoom
     masks: NDArray[np.uint16]
     labels: dict[int, str]
     pairs: dict[int, int]
@@ -73,25 +73,27 @@ class Camera:
     in_spreads: Spread
 
 
-def find_given(folder: Path, masks: str, focal: float | None) -> Found:
+def find_given(folder: Path, masks: str, focal: float | None) -> FoundRoom:
     """The room of a picture with given masks and labels."""
     rgb = read_rgb(folder / "rgb.png")
     values = np.asarray(cv2.imread(str(folder / f"{masks}.png"), cv2.IMREAD_UNCHANGED), np.uint16)
     said = {int(value): label for value, label in json.loads((folder / f"{masks}.json").read_text()).items()}
     labels = {value: label for value, label in said.items() if label not in ROOM and (values == value).any()}
     room = build_room(rgb, arrange(see_camera(rgb, focal), values, labels, ~find_border(rgb)), values)
-    return Found(room, values, labels, {value: value for value in room.boxes})
+    return FoundRoom(room, values, labels, {value: value for value in room.boxes})
 
 
-def find_alone(folder: Path, focal: float | None, sure: float) -> Found:
+def find_alone(folder: Path, focal: float | None, sure: float) -> FoundRoom:
     """The room of a picture with nothing given; its things by the numbers of those that they show."""
     drawn = draw_picture(folder.name, read_rgb(folder / "rgb.png"), focal, DrawOptions(sure=sure))
     shown = np.where(np.isin(drawn.masks, list(drawn.room.boxes)), drawn.masks, 0).astype(np.uint16)
     numbers = [thing.number for thing in read(folder).things if thing.named]
-    return Found(drawn.room, drawn.masks, drawn.labels, pair_pieces(numbers, overlaps(read_masks(folder), shown)[0]))
+    return FoundRoom(
+        drawn.room, drawn.masks, drawn.labels, pair_pieces(numbers, overlaps(read_masks(folder), shown)[0])
+    )
 
 
-def measure(folder: Path, masks: str, with_focal: bool, sure: float) -> tuple[Camera, list[Thing], Counts, float]:
+def measure(folder: Path, masks: str, with_focal: bool, sure: float) -> tuple[Camera, list[ThingMiss], Counts, float]:
     """The camera and the things of a picture, how many were asked for, drawn and rightly named, and CPU seconds."""
     truth, start = read(folder), time.process_time()
     focal = truth.focal if with_focal else None
@@ -115,7 +117,7 @@ def measure(folder: Path, masks: str, with_focal: bool, sure: float) -> tuple[Ca
         size = float(np.prod(box.size) / np.prod(thing.size)) ** (1 / 3)
         hidden = find_open(value, ends, {key: room.on.get(key, FLOOR) for key in ends})[3]
         told = "wall" if room.on[value] < 0 else "top" if room.on[value] else "hidden" if hidden else "foot"
-        things.append(Thing(away / float(np.linalg.norm(thing.position - pose[:3, 3])) - 1, size - 1, told))
+        things.append(ThingMiss(away / float(np.linalg.norm(thing.position - pose[:3, 3])) - 1, size - 1, told))
         named += category_in(found.labels[value]) in packs.kinds()[thing.kind].sensible
     high, focal = room.view.above / float(pose[2, 3]), room.view.focal / truth.focal
     apart = np.abs([angles_of(room.view.rotation)[1] - angles_of(pose[:3, :3])[1], np.log(high), np.log(focal)])

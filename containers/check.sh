@@ -48,7 +48,7 @@ fi
 
 secret=()
 [ -s "${SSL_CERT_FILE:-}" ] && secret=(--secret "id=ca,src=$SSL_CERT_FILE")
-template=$(.venv/bin/python -m roomkin.stages.config.containers)
+template=$(.venv/bin/python -m roomkin.stages.config.files)
 for family in $families; do
     image=${template//\{family\}/$family}
     echo "building $image"

@@ -27,7 +27,7 @@ text {{ font: 10px sans-serif; text-anchor: middle; fill: #555 }}
 """
 
 
-class Box:
+class TextBox:
     """Lines of text in a frame, as grandalf wants a vertex's view: its size, and the middle `xy` that it is given."""
 
     def __init__(self, lines: Sequence[str]) -> None:
@@ -58,7 +58,7 @@ def draw_graph(graph: nx.DiGraph, texts: Mapping[str, Sequence[str]], title: str
     """
     vertices = {node: Vertex(node) for node in sorted(graph)}
     for node, vertex in vertices.items():
-        vertex.view = Box(texts[node])
+        vertex.view = TextBox(texts[node])
     edges = [Edge(vertices[one], vertices[other]) for one, other in sorted(nx.transitive_reduction(graph).edges)]
     for edge in edges:
         edge.view = EdgeViewer()
@@ -75,4 +75,4 @@ def draw_graph(graph: nx.DiGraph, texts: Mapping[str, Sequence[str]], title: str
     right, bottom = (max(values) + MARGIN for values in zip(*points, *corners, strict=True))
     lines = [" ".join(f"{x:.0f},{y:.0f}" for x, y in edge.view._pts) for edge in edges]
     head = HEAD.format(left=left, top=top, width=right - left, height=bottom - top, title=html.escape(title))
-    return head + "\n".join([*(f'<polyline points="{line}"/>' for line in lines), *map(Box.svg, boxes), "</svg>\n"])
+    return head + "\n".join([*(f'<polyline points="{line}"/>' for line in lines), *map(TextBox.svg, boxes), "</svg>\n"])

@@ -4,8 +4,8 @@ import runpy
 import sys
 from pathlib import Path
 
-from roomkin.homes import COMMANDS, ELSEWHERE, describe, list_homes
 from roomkin.stages.cli import main
+from roomkin.workflow import COMMANDS, ELSEWHERE, describe, list_homes
 
 
 def start() -> None:

@@ -1,7 +1,7 @@
 """Command `completion`: a script for the shell, after which the Tab key completes `roomkin`."""
 
-from roomkin.homes import COMMANDS, ELSEWHERE, list_commands, list_homes
 from roomkin.stages.cli import find_module, list_flags
+from roomkin.workflow import COMMANDS, ELSEWHERE, list_commands, list_homes
 
 SCRIPT = """\
 # ~/.bashrc: eval "$(roomkin completion)"

@@ -1,6 +1,11 @@
-"""Snakemake with our rules, in the folder where the user is."""
+"""Snakemake with our rules, in the folder where the user is.
 
+What can be asked for: words of their own, and the commands of stages and packages, read from the code as text.
+"""
+
+import ast
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -9,6 +14,41 @@ from pathlib import Path
 
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.plugins import PACKAGES
+
+COMMANDS = {
+    "picture": "a picture of yours: what it shows, scenes of cousins, a page of them",
+    "correct": "open the page on which a scene is put right",
+    "import": "look at a folder of models of yours, and make them part of the library",
+    "demo": "a room of ours, its cousins, scenes to turn, in two minutes",
+    "check": "what this machine lacks, and what mends it",
+    "completion": "for the Tab key of bash and zsh",
+}
+ELSEWHERE = {"import": ["roomkin.plugins.importing", "import"], "check": ["roomkin.plugins.ops.doctor"]}
+
+
+def list_homes() -> dict[str, str]:
+    """Python packages with a command line, by the names of their stages and packages."""
+    folders = [PACKAGES.parent / "stages", PACKAGES]
+    found = [file.parent for folder in folders for file in sorted(folder.glob("*/__main__.py"))]
+    return {folder.name: f"roomkin.{folder.parent.name}.{folder.name}" for folder in found}
+
+
+def list_commands(home: str) -> list[str]:
+    """The commands of a package, the keys of `main(package, {"match": ...})`; none: its command line is its own."""
+    calls = ast.walk(ast.parse(_read(home, "__main__.py")))
+    tables = [node.args[1] for node in calls if isinstance(node, ast.Call) and len(node.args) == 2]
+    return [name for table in tables if isinstance(table, ast.Dict) for name in ast.literal_eval(table)]
+
+
+def describe(home: str) -> str:
+    """The first sentence of a package's docstring."""
+    text = (ast.get_docstring(ast.parse(_read(home, "__init__.py"))) or "").partition("\n")[0]
+    return re.split(r"\.(?: |$)| \(", text.removeprefix(f"Stage `{home.rpartition('.')[2]}`: "))[0]
+
+
+def _read(home: str, name: str) -> str:
+    return Path(PACKAGES.parent, *home.split(".")[1:], name).read_text(encoding="utf-8")
+
 
 HOME = PACKAGES.parent  # of Snakefile, rules and config
 

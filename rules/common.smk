@@ -15,11 +15,11 @@ from roomkin.stages.config.files import read_file
 from roomkin.stages.config.model import load, with_defaults
 from roomkin.stages.config.packages import check_rules, check_targets, list_drawers, rule_files, shards_of
 from roomkin.stages.config.reads import READS, WILDCARDS as OPTION_WILDCARDS, describe_picture, options_of, stores
-from roomkin.stages.config.sizes import fill_counts
-from roomkin.stages.config.unfetched import tell_left_out
+from roomkin.stages.config.commands import fill_counts
+from roomkin.stages.config.weights import tell_left_out
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.system import check_writable
-from roomkin.stages.contracts.training_sets import ROLE_NAME, SET_NAME
+from roomkin.stages.contracts.policy_config import ROLE_NAME, SET_NAME
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))

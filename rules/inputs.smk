@@ -4,8 +4,8 @@ from snakemake.persistence import RECORD_FORMAT_VERSION
 from snakemake.settings.types import RerunTrigger
 from roomkin.stages.config.targets import Cell
 from roomkin.stages.config.code import code_digest
-from roomkin.stages.config.hand_files import are_taken_back, describe_corrections, drawing_of, hand_file
-from roomkin.stages.contracts.corrections import CORRECTIONS
+from roomkin.stages.config.other_pictures import are_taken_back, describe_corrections, drawing_of, hand_file
+from roomkin.stages.contracts.hand import CORRECTIONS
 from roomkin.stages.plugins import find, qualify_module
 
 

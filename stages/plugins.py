@@ -15,8 +15,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from roomkin.stages.contracts.errors import InputError, suggest_nearest
-from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.errors import InputError, first_error, suggest_nearest
 from roomkin.stages.contracts.section import Section
 
 S = TypeVar("S", bound=Section)

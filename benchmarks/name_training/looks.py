@@ -11,7 +11,7 @@ from torch import Tensor, nn
 from tqdm import tqdm
 
 from benchmarks.name_training.learn import write_network
-from benchmarks.name_training.outlines import Outlines, join, see_outlines
+from benchmarks.name_training.outlines import TrainingOutlines, join, see_outlines
 from benchmarks.open_rooms.pictures import folders
 from roomkin.stages.contracts import write_atomically
 from roomkin.stages.perception.classification.clip import embed, load_tower, show
@@ -50,7 +50,7 @@ def train_head(looks: NDArray[np.float32], right: NDArray[np.bool_]) -> nn.Linea
     return layer.float().eval()
 
 
-def share_out_of_fold(seen: Outlines, right: NDArray[np.bool_]) -> Array:
+def share_out_of_fold(seen: TrainingOutlines, right: NDArray[np.bool_]) -> Array:
     """Probabilities (N, C) by heads that have seen no outline of the same model."""
     rng, share = np.random.default_rng(0), np.zeros(right.shape)
     models = sorted(set(seen.model) - {""})
@@ -99,7 +99,7 @@ def run(*, pictures: Path, library: Path, out: Path = HEAD) -> None:
     print(f"{out}: {out.stat().st_size / 1e3:.0f} kB, of {len(right)} outlines")
 
 
-def read_learning(pictures: Path) -> Outlines:
+def read_learning(pictures: Path) -> TrainingOutlines:
     """All outlines of the pictures that are there to learn from, and of those of the half `work`."""
     every = [*folders(pictures, "work", "learning"), *folders(pictures, "work")]
     found = (see_outlines(one, pictures / "seen") for one in tqdm(every, unit="picture"))

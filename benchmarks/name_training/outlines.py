@@ -31,7 +31,7 @@ MIN_PIXELS, PATCHES, DOUBTED = (
 )  # of an outline; of walls and floor, and proposals not chosen, a picture; chosen
 
 
-class Outlines(NamedTuple):
+class TrainingOutlines(NamedTuple):
     """model (N,) and kind (N,), empty and `NONE` where an outline shows no thing; how (N,): EXACT, FAULTY, OWN; said
     (N, 3, C): by shape, ImageNet and COCO; looks (N, 512)."""
 
@@ -47,12 +47,12 @@ class Outlines(NamedTuple):
         return np.array([[name in sensible[kind] for name in names] for kind in self.kind])
 
 
-def join(some: list[Outlines]) -> Outlines:
+def join(some: list[TrainingOutlines]) -> TrainingOutlines:
     """Those of several pictures."""
-    return Outlines(*(np.concatenate(each) for each in zip(*some, strict=True)))
+    return TrainingOutlines(*(np.concatenate(each) for each in zip(*some, strict=True)))
 
 
-def see_outlines(folder: Path, kept: Path) -> Outlines | None:
+def see_outlines(folder: Path, kept: Path) -> TrainingOutlines | None:
     """The outlines of a picture, from the file where they are kept, or into it; None: nothing level is seen."""
     file = kept / f"{folder.name}.npz"
     if not file.is_file():
@@ -64,10 +64,10 @@ def see_outlines(folder: Path, kept: Path) -> Outlines | None:
         with write_atomically(file) as path, path.open("wb") as stream:
             np.savez_compressed(stream, **found._asdict())
     with np.load(file) as stored:
-        return Outlines(*(stored[name] for name in Outlines._fields))
+        return TrainingOutlines(*(stored[name] for name in TrainingOutlines._fields))
 
 
-def _see(view: RoomView, folder: Path) -> Outlines:
+def _see(view: RoomView, folder: Path) -> TrainingOutlines:
     rng, names = np.random.default_rng(zlib.crc32(folder.name.encode())), read_network()[1]
     exact, things = read_masks(folder), {thing.number: thing for thing in read(folder).things}
     wholes = {number: [exact == number] for number in things if (exact == number).any()}
@@ -88,7 +88,7 @@ def _see(view: RoomView, folder: Path) -> Outlines:
         voices = gather(seen._replace(looks=None), words, names)[:3]
         rows.append((thing.model if thing else "", thing.kind if thing else NONE, how, voices, seen.looks))
     model, kind, hows, said, looks = (np.array(each) for each in zip(*rows, strict=True))
-    return Outlines(model, kind, hows, said.astype(np.float32), looks.astype(np.float32))
+    return TrainingOutlines(model, kind, hows, said.astype(np.float32), looks.astype(np.float32))
 
 
 def _list_masks(

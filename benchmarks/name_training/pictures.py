@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from benchmarks.name_training.rooms import FLOOR, Room, triangles
+from benchmarks.name_training.rooms import FLOOR, MadeRoom, triangles
 from benchmarks.name_training.solids import Array, Rng, cast_rays, cast_scene
-from roomkin.stages.config.extraction import DepthNoiseConfig
+from roomkin.stages.config.inputs import DepthNoiseConfig
 from roomkin.stages.extraction.noise import noisy_depth, smooth_field
 from roomkin.stages.geometry.cameras import back_project, look_at, make_intrinsics
 from roomkin.stages.geometry.frames import make_transform, transform_points
@@ -24,7 +24,7 @@ NEAREST = 0.35  # metres: no picture shows a tenth of its pixels nearer; chosen
 
 
 @dataclass(frozen=True)
-class Picture:
+class TrainingPicture:
     """depth (H, W) metres; cosine (H, W) between ray and surface; owner (H, W) uint8; intrinsics (3, 3);
     frame (4, 4) floor_from_camera, z = 0: what things stand on."""
 
@@ -35,7 +35,7 @@ class Picture:
     frame: Array
 
 
-def pictures_in(room: Room, views: int, rng: Rng) -> Iterator[Picture]:
+def pictures_in(room: MadeRoom, views: int, rng: Rng) -> Iterator[TrainingPicture]:
     """At most `views` pictures from random places in a room, none of which is too near to something.
 
     An owner n of their pixels is `room.things[n - 2]`.
@@ -60,10 +60,10 @@ def pictures_in(room: Room, views: int, rng: Rng) -> Iterator[Picture]:
         heights = transform_points(frame, back_project(depth, intrinsics))[..., 2]
         owner = _choose_owners(room, owner, carrier, np.abs(heights) < TOP)
         cosine = np.abs((rays * normals).sum(axis=-1)) / np.linalg.norm(rays, axis=-1)
-        yield Picture(depth, cosine, owner.astype(np.uint8), intrinsics, frame)
+        yield TrainingPicture(depth, cosine, owner.astype(np.uint8), intrinsics, frame)
 
 
-def _choose_view(room: Room, rng: Rng) -> tuple[Array, Array, float, int]:
+def _choose_view(room: MadeRoom, rng: Rng) -> tuple[Array, Array, float, int]:
     """Where the camera is and what it looks at, (3,) each; the height of what things stand on, and whose top it is."""
     laid = [  # tables: all that they carry stands on their top
         number
@@ -85,7 +85,9 @@ def _choose_view(room: Room, rng: Rng) -> tuple[Array, Array, float, int]:
     return eye, 0.7 * target + 0.3 * np.array([*room.size[:2] / 2, 0.8]), 0.0, FLOOR
 
 
-def _choose_owners(room: Room, owner: NDArray[np.int64], carrier: int, level: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _choose_owners(
+    room: MadeRoom, owner: NDArray[np.int64], carrier: int, level: NDArray[np.bool_]
+) -> NDArray[np.int64]:
     """`Picture.owner` (H, W): beside a table whose top is the ground all that does not stand on it is background.
 
     `carrier`: FLOOR, or that table; `level`: (H, W) pixels at the height of the ground.
@@ -103,7 +105,7 @@ def _choose_owners(room: Room, owner: NDArray[np.int64], carrier: int, level: ND
 TILT, OFF = 1.7, 0.025  # degrees and share of the camera's height by which the level frame errs; chosen
 
 
-def sense_depth(picture: Picture, rng: Rng) -> Array:
+def sense_depth(picture: TrainingPicture, rng: Rng) -> Array:
     """Depth (H, W) as stereo, structured light, time of flight or a network measures it, metres; 0: unknown."""
     noise = DepthNoiseConfig(range_constant=0.001, range_quadratic=0.004 * rng.random() ** 2, scale=0.008)
     depth = noisy_depth(picture.depth.astype(np.float32), noise, rng).astype(float)

@@ -33,7 +33,7 @@ Pool = dict[str, list[Solid]]
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedThing:
     """A solid stretched by `scale` (3,), turned by `yaw`, its base at `position`; on the floor, a wall or a thing."""
 
     solid: Solid
@@ -60,13 +60,13 @@ class Placed:
 
 
 @dataclass(frozen=True)
-class Room:
+class MadeRoom:
     """`size` (3,) metres, corner at the origin; the things, each after what carries it."""
 
     size: Array
-    things: list[Placed]
+    things: list[PlacedThing]
 
-    def is_free(self, new: Placed) -> bool:
+    def is_free(self, new: PlacedThing) -> bool:
         """Whether a thing is in the room and overlaps no other but what carries it, by their boxes."""
         if not shapely.box(-1e-6, -1e-6, *(self.size[:2] + 1e-6)).contains(new.plan) or new.box.top > self.size[2]:
             return False
@@ -110,9 +110,9 @@ def read_solids(packs: Path) -> Iterator[tuple[str, Solid]]:
         yield kind, Solid(kind, np.concatenate([part.vertices for part in model.parts]), faces, placement)
 
 
-def furnish(pool: Pool, rng: Rng) -> Room:
+def furnish(pool: Pool, rng: Rng) -> MadeRoom:
     """A room with solids out of the pool, every kind as likely, the largest first."""
-    room = Room(np.array([*rng.uniform(2.4, 7.0, 2), rng.uniform(2.3, 3.2)]), [])
+    room = MadeRoom(np.array([*rng.uniform(2.4, 7.0, 2), rng.uniform(2.3, 3.2)]), [])
     drawn = []
     for kind in rng.choice(sorted(pool), THINGS):
         solid = pool[str(kind)][int(rng.integers(len(pool[str(kind)])))]
@@ -125,7 +125,7 @@ def furnish(pool: Pool, rng: Rng) -> Room:
     return room
 
 
-def _place(room: Room, solid: Solid, scale: Array, rng: Rng) -> Placed | None:
+def _place(room: MadeRoom, solid: Solid, scale: Array, rng: Rng) -> PlacedThing | None:
     """A place for a thing, where such things are; None: there is none."""
     size, side = solid.size * scale, int(rng.integers(4))
     along = rng.uniform(size[1] / 2, max(size[1] / 2, room.size[side % 2] - size[1] / 2))
@@ -137,7 +137,7 @@ def _place(room: Room, solid: Solid, scale: Array, rng: Rng) -> Placed | None:
             else rng.uniform(low, high)
         )
         point, yaw = wall_point(room.size, side, along, size[0] / 2)
-        return Placed(solid, scale, yaw, np.array([*point, foot]), WALL)
+        return PlacedThing(solid, scale, yaw, np.array([*point, foot]), WALL)
     little = solid.placement == "object" or (solid.kind in JUNK and size.max() < LITTLE)
     if little and rng.random() > ON_FLOOR:
         return _place_upon(room, solid, scale, rng)
@@ -145,10 +145,10 @@ def _place(room: Room, solid: Solid, scale: Array, rng: Rng) -> Placed | None:
         point, yaw = wall_point(room.size, side, along, size[0] / 2 + rng.choice([0.0, rng.uniform(0, 0.15)]))
     else:
         point, yaw = rng.uniform(0.1, 0.9, 2) * room.size[:2], rng.uniform(0, 2 * np.pi)
-    return Placed(solid, scale, yaw, np.array([*point, 0.0]), FLOOR)
+    return PlacedThing(solid, scale, yaw, np.array([*point, 0.0]), FLOOR)
 
 
-def _place_upon(room: Room, solid: Solid, scale: Array, rng: Rng) -> Placed | None:
+def _place_upon(room: MadeRoom, solid: Solid, scale: Array, rng: Rng) -> PlacedThing | None:
     """A place on one of the things that may carry others; None: there it does not lie flat."""
     carriers = [n for n, one in enumerate(room.things, 2) if one.box.size[:2].min() > 0.3 and one.box.size[2] < 1.5]
     if not carriers:
@@ -156,14 +156,14 @@ def _place_upon(room: Room, solid: Solid, scale: Array, rng: Rng) -> Placed | No
     owner = int(rng.choice(carriers))
     base = room.things[owner - 2]
     spot = base.position + yaw_matrix(base.yaw)[:, :2] @ (rng.uniform(-0.45, 0.45, 2) * base.box.size[:2])
-    new = Placed(solid, scale, base.yaw + rng.normal(0, 0.4), spot, owner)
+    new = PlacedThing(solid, scale, base.yaw + rng.normal(0, 0.4), spot, owner)
     corners = np.array(new.plan.exterior.coords)[:4]
     middle = corners.mean(axis=0)
     under = np.array([middle, *(middle + 0.5 * (corners - middle))]) - base.position[:2]
     heights = base.solid.heights(under @ yaw_matrix(base.yaw)[:2, :2] / base.scale[:2]) * base.scale[2]
     if not np.isfinite(heights).all() or np.ptp(heights) > UNEVEN:
         return None
-    return Placed(solid, scale, new.yaw, np.add(spot, [0, 0, heights.max()]), owner)
+    return PlacedThing(solid, scale, new.yaw, np.add(spot, [0, 0, heights.max()]), owner)
 
 
 def wall_point(size: Array, side: int, along: float, off: float) -> tuple[Array, float]:
@@ -173,7 +173,7 @@ def wall_point(size: Array, side: int, along: float, off: float) -> tuple[Array,
     return point, [np.pi / 2, 0.0, -np.pi / 2, np.pi][side]
 
 
-def triangles(room: Room) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int64]]:
+def triangles(room: MadeRoom) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int64]]:
     """Vertices (V, 3), faces (F, 3) and owner (F,) of the room, a box from inside, and all that is in it."""
     shell = (CUBE.vertices + 0.5) * room.size
     vertices, faces = [shell], [np.asarray(CUBE.faces)]

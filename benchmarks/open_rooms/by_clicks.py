@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from benchmarks.open_rooms import packs, pictures
 from benchmarks.open_rooms.pairs import FOUND, overlaps, pair_pieces
 from roomkin.stages.contracts import Objects, read_json
-from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.contracts.scene_input import read_annotations
 from roomkin.stages.contracts.scenes import Annotation

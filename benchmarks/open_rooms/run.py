@@ -15,7 +15,7 @@ from benchmarks.open_rooms.pictures import ALONE, BY_HAND
 from roomkin.stages.config.model import Config
 from roomkin.stages.config.reads import options_of, stores
 from roomkin.stages.contracts import Annotations, InputError, read_json, write_json
-from roomkin.stages.contracts.corrections import CORRECTIONS, Corrections
+from roomkin.stages.contracts.hand import CORRECTIONS, Corrections
 from roomkin.stages.extraction import extract
 from roomkin.stages.generation import generate
 from roomkin.stages.matching import match

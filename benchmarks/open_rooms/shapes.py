@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs
-from roomkin.stages.evaluation.shapes import CHAMFER_POINTS, DENSE, sample_surface
+from roomkin.stages.evaluation.scoring import CHAMFER_POINTS, DENSE, sample_surface
 
 ROOT: list[Path] = []  # the folder that is scored: models are read from it
 

@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
-from roomkin.stages.tables.drawing import save, style
+from roomkin.stages.tables.figures import save, style
 
 COLORS = {"work": "#6a6d70", "held_out": "#0072B2", "third": "#D55E00", "fourth": "#009E73"}
 BINS = np.linspace(0, 1, 6)

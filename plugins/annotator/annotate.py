@@ -12,11 +12,9 @@ from roomkin.plugins.annotator.shown import is_bare, name_drawn
 from roomkin.stages.config.inputs import scene_of_folder
 from roomkin.stages.contracts import Camera, InputError, Library, read_json
 from roomkin.stages.contracts.categories import known_categories
-from roomkin.stages.contracts.corrections import CORRECTIONS
-from roomkin.stages.contracts.depth import read_depth
 from roomkin.stages.contracts.errors import suggest_nearest
-from roomkin.stages.contracts.hand import PROJECT
-from roomkin.stages.contracts.images import orientation_of
+from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT
+from roomkin.stages.contracts.images import orientation_of, read_depth
 from roomkin.stages.perception.drawing.write import at_size
 from roomkin.stages.perception.read.photo import Photo, read_photo
 

@@ -20,7 +20,7 @@ from roomkin.stages.perception.classification.propose import Names, observe_look
 from roomkin.stages.perception.segmentation.choosing import ON_WALL, share
 from roomkin.stages.perception.segmentation.mobile_sam import Embedded, MobileSam, Outlines
 from roomkin.stages.perception.segmentation.proposal import RoomView
-from roomkin.stages.perception.segmentation.ssd import Box, find_boxes
+from roomkin.stages.perception.segmentation.ssd import DetectedBox, find_boxes
 from roomkin.stages.perception.segmentation.ssd import overlap as overlap_boxes
 
 LACKING = "a click outlines things once the networks' weights are there: make weights"
@@ -52,7 +52,7 @@ class Seen:
     """A picture as MobileSAM sees it, and boxes of COCO's network with their outlines (H, W)."""
 
     picture: Embedded
-    boxes: list[Box]
+    boxes: list[DetectedBox]
     outlines: list[Mask]
 
 

@@ -18,9 +18,8 @@ from roomkin.plugins.annotator.said import Said, find_changes
 from roomkin.plugins.annotator.session import Answer
 from roomkin.plugins.annotator.shown import Drawing, Thing, is_bare, name_drawn, read_bare, view_room, write_masks
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.corrections import Correction, Corrections
 from roomkin.stages.contracts.doubt import Doubt
-from roomkin.stages.contracts.hand import PROJECT, hand_folder
+from roomkin.stages.contracts.hand import PROJECT, Correction, Corrections, hand_folder
 from roomkin.stages.contracts.objects import Wall, object_ids
 from roomkin.stages.contracts.parts import says_opening
 from roomkin.stages.contracts.scene_input import read_scene_input
@@ -29,8 +28,8 @@ from roomkin.stages.contracts.things import read_things
 from roomkin.stages.contracts.types import FLOOR, WALL
 from roomkin.stages.extraction.corrected_masks import (
     ROOM,
+    CorrectedMasks,
     Cutter,
-    Painted,
     apply_corrections,
     correct_masks,
     find_corners,
@@ -211,7 +210,7 @@ class Correcting(Clicked):
             tint_picture(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM])
         )
 
-    def _paint_drawing(self, drawing: Drawing) -> Painted:
+    def _paint_drawing(self, drawing: Drawing) -> CorrectedMasks:
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
 
     def _drawing(self, body: Any) -> Drawing:

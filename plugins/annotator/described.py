@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.geometry.boxes import FACES, UprightBox, corners
-from roomkin.stages.perception.camera.metrology import View, WallPlane
+from roomkin.stages.perception.camera.metrology import PinholeView, UprightPlane
 from roomkin.stages.perception.camera.perspective import find_weak_lines, horizon, vanishing_point
 from roomkin.stages.perception.drawing.project import Project
 from roomkin.stages.perception.drawing.solve import Solved
@@ -15,7 +15,7 @@ GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it go
 Answer = dict[str, Any]
 
 
-def _lines(view: View, ends: NDArray[np.float64]) -> list[list[list[float]]]:
+def _lines(view: PinholeView, ends: NDArray[np.float64]) -> list[list[list[float]]]:
     """Pixels of lines (N, 2, 3) of the room, as far as they are before the camera."""
     lines = []
     eye, forward = np.array([0, 0, view.above]), view.rotation[:, 2]
@@ -31,7 +31,7 @@ def _lines(view: View, ends: NDArray[np.float64]) -> list[list[list[float]]]:
     return lines
 
 
-def _box(view: View, box: UprightBox) -> Answer:
+def _box(view: PinholeView, box: UprightBox) -> Answer:
     """A box in pixels: its corners (null behind the camera), which faces are seen, and its size and distance."""
     points = corners(box)
     pixels = view.project(points)
@@ -52,7 +52,7 @@ def _box(view: View, box: UprightBox) -> Answer:
     }
 
 
-def _wall(view: View, wall: WallPlane) -> list[list[list[float]]]:
+def _wall(view: PinholeView, wall: UprightPlane) -> list[list[list[float]]]:
     """A wall's foot from end to end, as lines of pixels."""
     foot = wall.offset * wall.normal
     reach = 4 * REACH * max(view.above, 0.1)
@@ -60,7 +60,7 @@ def _wall(view: View, wall: WallPlane) -> list[list[list[float]]]:
     return _lines(view, np.array([[foot + low * wall.along, foot + high * wall.along]]))
 
 
-def _grid(view: View) -> list[list[list[float]]]:
+def _grid(view: PinholeView) -> list[list[list[float]]]:
     """Lines on the floor every half metre."""
     steps = np.arange(-REACH, REACH + GRID / 2, GRID)
     lines = [((x, 0, 0), (x, REACH, 0)) for x in steps] + [((-REACH, y, 0), (REACH, y, 0)) for y in steps[steps >= 0]]

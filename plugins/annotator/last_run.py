@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.plugins.annotator.cures import Cure
+from roomkin.plugins.report.album import SnapshotShards, views_of
 from roomkin.plugins.report.doubts import collect_doubts, measure_side
-from roomkin.plugins.report.snapshots import Snapshots, views_of
 from roomkin.stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
-from roomkin.stages.contracts.corrections import Correction
 from roomkin.stages.contracts.cousins import ObjectCousins
 from roomkin.stages.contracts.doubt import Doubt, DoubtKind
 from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.objects import SceneObject, Wall
 from roomkin.stages.contracts.types import Pixel
-from roomkin.stages.extraction.reflections import NICHE
+from roomkin.stages.extraction.depth_error import NICHE
 from roomkin.stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
 from roomkin.stages.geometry.cameras import project
 from roomkin.stages.geometry.frames import invert_transform, transform_points
@@ -48,7 +48,7 @@ class LastRun:
     items: dict[int, SceneObject]
     cousins: dict[int, ObjectCousins]
     placed: dict[int, PlacedObject]
-    snapshots: Snapshots
+    snapshots: SnapshotShards
     picture: Path | None = None
     sizes: dict[str, list[float]] = field(default_factory=dict)
     views: dict[int, dict[str, float]] = field(default_factory=dict)
@@ -201,7 +201,7 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
     path = results / "extraction" / scene / "objects.json"
     objects = read_json(Objects, path) if path.is_file() else None
     if objects is None or (objects.width, objects.height) != size:
-        return LastRun(None, {}, {}, {}, Snapshots([]))
+        return LastRun(None, {}, {}, {}, SnapshotShards([]))
     if variant is None:
         found = (path.parent.parent.name for path in (results / "matching").glob(f"*/{scene}/cousins.json"))
         variant = min(found, default="-")
@@ -215,7 +215,7 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
         {item.mask: item for item in objects.objects},
         {masks[one.id]: one for one in matched if one.id in masks},
         {masks[one.id]: one for each in scenes if each.rank == 1 for one in each.objects if one.id in masks},
-        Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
+        SnapshotShards(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
         find_picture(place.parents[1], scene, variant),
         _sizes(results / "assets/library/library.json"),
         {mask: views_of(scenes, name) for name, mask in masks.items()},

@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.plugins.annotator.shown import Thing, UnmatchedLine
-from roomkin.stages.contracts.corrections import (
+from roomkin.stages.contracts.hand import (
     CORRECTIONS,
     MEASURED,
     Correction,
     Corrections,
     Unmatched,
+    digest_of_picture,
+    find_hand_file,
     read_corrections,
 )
-from roomkin.stages.contracts.hand import digest_of_picture, find_hand_file
 from roomkin.stages.contracts.matched import digest_masks, match_corrections, show_masks
 
 

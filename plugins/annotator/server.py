@@ -16,8 +16,7 @@ from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.plugins.annotator.kept import OutdatedError
 from roomkin.plugins.annotator.making import Making
 from roomkin.plugins.annotator.session import Session
-from roomkin.stages.contracts.errors import InputError, explain
-from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.errors import InputError, explain, first_error
 from roomkin.stages.contracts.system import line_of
 
 HERE = Path(__file__).resolve().parent

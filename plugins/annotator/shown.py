@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from roomkin.stages.contracts import Annotations, Camera, read_json
-from roomkin.stages.contracts.corrections import Correction
-from roomkin.stages.contracts.depth import read_depth
 from roomkin.stages.contracts.files import Contract
-from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.hand import Correction
+from roomkin.stages.contracts.images import read_depth, read_rgb
 from roomkin.stages.contracts.scene_input import SceneInput, write_scene_input
 from roomkin.stages.contracts.types import Id
 from roomkin.stages.perception.camera.surfaces import find_surfaces

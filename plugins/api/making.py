@@ -10,15 +10,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from roomkin.stages.config.commands import fill_counts
 from roomkin.stages.config.inputs import HOLDS, describe_missing, scene_of_folder
 from roomkin.stages.config.model import Config, load, with_defaults
 from roomkin.stages.config.other_pictures import read_digest
 from roomkin.stages.config.packages import load_command, shards_of
 from roomkin.stages.config.reads import options_of
-from roomkin.stages.config.sizes import fill_counts
-from roomkin.stages.contracts.corrections import CORRECTIONS, read_corrections
 from roomkin.stages.contracts.errors import InputError, suggest_nearest
-from roomkin.stages.contracts.hand import digest_of_picture, find_hand_file
+from roomkin.stages.contracts.hand import CORRECTIONS, digest_of_picture, find_hand_file, read_corrections
 from roomkin.stages.contracts.library_folder import AssetFolders
 
 

@@ -5,13 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 import trimesh
 
-from roomkin.plugins.bowl.movable import CarryEnv, Movable
+from roomkin.plugins.bowl.region import CarryEnv, Movable
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 from roomkin.stages.planning.clearance import CLEARANCE, Surroundings, arm_spheres, surface_points
 from roomkin.stages.planning.rollout import TOLERANCE, Stretch, find_feasible, measure_deviation
 from roomkin.stages.simulation.kinematics import MAX_JOINT_STEP, Array, Chain, track
-from roomkin.stages.skills.attempts import RetryingSkill
-from roomkin.stages.skills.motion import LOST, OPEN, Motion
+from roomkin.stages.skills.motion import LOST, OPEN, Motion, RetryingSkill
 
 CANDIDATES = 128  # grasps and plans that are tried; chosen for time
 

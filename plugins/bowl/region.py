@@ -1,6 +1,10 @@
-"""Level surfaces that things can stand on or lie in, found with rays: the floor of a drawer, the top of a table."""
+"""Level surfaces that things can stand on or lie in, found with rays: the floor of a drawer, the top of a table.
+
+The task of Pick and Place: the object that they move, and its goal.
+"""
 
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import trimesh
@@ -67,3 +71,26 @@ def measure_headroom(region: Region, above: trimesh.Trimesh, most: float = 1.0) 
     up = np.tile([0.0, 0.0, 1.0], (len(places), 1))
     hits, _, _ = above.ray.intersects_location(places, up, multiple_hits=False)
     return min(most, float(hits[:, 2].min()) - region.height) if len(hits) else most
+
+
+@dataclass(frozen=True)
+class Movable:
+    """An object as it stands now; poses (4, 4) in the robot base frame.
+
+    mesh: in its own frame, upright. region: what it is put into, in the frame that `base_from_region` says, which moves
+    with a drawer. there: whether the object is where it belongs, in the gripper or not.
+    """
+
+    mesh: trimesh.Trimesh
+    base_from_object: Array
+    region: Region
+    base_from_region: Array
+    there: bool
+
+
+@runtime_checkable
+class CarryEnv(Protocol):
+    """An environment with something to carry."""
+
+    def movable(self) -> Movable:
+        """The object that Pick and Place move, in the first environment."""

@@ -18,6 +18,7 @@ from roomkin.plugins.claims.assets import find_judged_set
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.tables.cells import ROW
 from roomkin.stages.tables.intervals import (
+    Interval,
     Side,
     pair_sides,
     quantiles,
@@ -27,7 +28,6 @@ from roomkin.stages.tables.intervals import (
     unit_rates,
 )
 from roomkin.stages.tables.order import SKILL, SPLITS, set_key
-from roomkin.stages.tables.statistics import Interval
 from roomkin.stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
 
 NOT_WORSE = 0.10  # as well as the twin on the twin: not worse by more than this

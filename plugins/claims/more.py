@@ -1,22 +1,88 @@
-"""Additions to Table 3: success over unseen assets, claims, stability of training, panels of Figure 4."""
+"""Additions to Table 3: success over unseen assets, claims, stability of training, panels of Figure 4.
+
+Upper panels of Figure 4: success on every unseen asset, against what it looks like.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from roomkin.plugins.claims import asset_panels, assets, claims, tables
-from roomkin.plugins.claims.assets import first_policies
+from roomkin.plugins.claims import assets, claims, tables
+from roomkin.plugins.claims.assets import find_judged_set, first_policies, of_splits
 from roomkin.plugins.claims.trainings import failed_note, read_trainings
-from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.tables.cells import ROW, rates
+from roomkin.stages.tables.figures import Panels, Row, color, draw_rates, mark_not_run, marker, of_row, rate_axis
 from roomkin.stages.tables.markup import Table
 from roomkin.stages.tables.methods import Kinds, kinds_of
+from roomkin.stages.tables.order import SKILL, row_title, set_key
 from roomkin.stages.tables.policies import More, PolicyResults
-from roomkin.stages.tables.policy_figures import Panels, Row, of_row
-from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.policy_tables import policy_notes
+from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.text import distance_from_twin
+
+AXES = ["feature_distance", "handle_length"]
+
+
+def _select_judged(rollouts: pd.DataFrame) -> pd.DataFrame:
+    """The rollouts of policies on the set of assets that their task is judged over."""
+    policies = of_splits(rollouts[rollouts["training_set"] != SKILL])
+    parts = [part[part["test_asset"] == find_judged_set(part)] for _, part in policies.groupby(ROW, sort=False)]
+    return pd.concat(parts) if parts else policies
+
+
+def spread_points(rollouts: pd.DataFrame) -> pd.DataFrame:
+    """A row per target, policy, training set and asset: mean success over runs and states, and `AXES`."""
+    groups = _select_judged(rollouts).groupby([*ROW, "training_set", "asset"], sort=False)
+    return groups.agg(mean=("success", "mean"), **{axis: (axis, "first") for axis in AXES}).reset_index()
+
+
+def tabulate_thirds(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """A row per target, policy, training set, axis and third of assets along it: `place` (median), and as `rates`."""
+    found, rows = _select_judged(rollouts), []
+    for axis in AXES:
+        for _, part in found.groupby(ROW, sort=False):
+            places = part.drop_duplicates("asset").set_index("asset")[axis]
+            third = (places.rank() * 3 / len(places)).apply(np.ceil)  # alike assets are in one third
+            median = places.groupby(third.to_numpy()).transform("median")
+            part = part.assign(axis=axis, place=part["asset"].map(median))
+            rows.append(rates(part, ["target", "policy", "training_set", "axis", "place"], options))
+    return pd.concat(rows) if rows else pd.DataFrame(columns=ROW)
+
+
+def draw_panels(panels: Any, spread_points: pd.DataFrame, thirds: pd.DataFrame, encoder: str) -> None:
+    """The panels of one target and policy."""
+    labels = [distance_from_twin(encoder), "length of the handle (m)"]
+    for panel, axis, label in zip(panels, AXES, labels, strict=True):
+        rate_axis(panel, False)
+        panel.set_xlabel(f"{label}, {spread_points['asset'].nunique()} assets" if len(spread_points) else label)
+        panel.grid(False, axis="x")
+        if spread_points.empty:
+            mark_not_run(panel)
+            panel.set_xticks([])
+            continue
+        panel.set_title(row_title(records(spread_points)[0]), loc="left")
+        _draw(panel, axis, spread_points, thirds[thirds["axis"] == axis])
+
+
+def _draw(panel: Axes, axis: str, spread_points: pd.DataFrame, thirds: pd.DataFrame) -> None:
+    """Faint points, an asset each; thirds with their intervals on a line. Different sets stand beside each other."""
+    sets = sorted(spread_points["training_set"].unique(), key=set_key)
+    step = 0.02 * (float(spread_points[axis].max() - spread_points[axis].min()) or 1.0)
+    for index, name in enumerate(sets):
+        shift = step * (index - (len(sets) - 1) / 2)
+        mine = spread_points[spread_points["training_set"] == name]
+        panel.scatter(
+            mine[axis] + shift, 100 * mine["mean"], s=13, alpha=0.35, linewidths=0.6, color=color(name),
+            marker=marker(name),
+        )  # fmt: skip
+        line = thirds[thirds["training_set"] == name].sort_values("place")
+        draw_rates(panel, line["place"] + shift, line, name)
 
 
 class MoreResults(NamedTuple):
@@ -64,15 +130,15 @@ def claim_tables(more: MoreResults, options: PolicyTables) -> list[Table]:
 
 def make_panels(rollouts: pd.DataFrame, options: PolicyTables) -> Panels | None:
     """Success on every unseen asset against distance and against the length of the handle; None without such rows."""
-    points = asset_panels.points(rollouts)
+    points = spread_points(rollouts)
     if points.empty:
         return None
-    thirds = asset_panels.tabulate_thirds(rollouts, options)
+    thirds = tabulate_thirds(rollouts, options)
 
     def draw(panels: Sequence[Axes], row: Row) -> None:
-        asset_panels.draw(panels, of_row(points, row), of_row(thirds, row), options.encoder)
+        draw_panels(panels, of_row(points, row), of_row(thirds, row), options.encoder)
 
-    return Panels(len(asset_panels.AXES), points, draw)
+    return Panels(len(AXES), points, draw)
 
 
 def add_tables(found: PolicyResults, rows: pd.DataFrame, trainings: Sequence[Path], options: PolicyTables) -> More:

@@ -8,7 +8,7 @@ import pandas as pd
 from roomkin.plugins.claims import power
 from roomkin.plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
 from roomkin.stages.config.tables import TablesConfig
-from roomkin.stages.contracts.words import count
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.tables.markup import Table, read_notes
 from roomkin.stages.tables.methods import Kinds
 from roomkin.stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title

@@ -9,8 +9,8 @@ import pandas as pd
 
 from roomkin.plugins.claims.claims import MIN_SPREAD_RUNS
 from roomkin.stages.contracts import read_json, trained
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.trained import TrainedPolicy
-from roomkin.stages.contracts.words import count
 from roomkin.stages.plugins import shorten_name
 from roomkin.stages.tables.cells import in_order
 from roomkin.stages.tables.markup import Table, read_notes

@@ -9,7 +9,7 @@ from roomkin.stages.config.code import cover
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import write_atomically, write_json
 from roomkin.stages.contracts.policy_config import has_eyes
-from roomkin.stages.contracts.policy_folder import read_config
+from roomkin.stages.contracts.trained import read_config
 from roomkin.stages.plugins import qualify_module
 from roomkin.stages.policies import handle_points
 from roomkin.stages.policies.base import ActionMode

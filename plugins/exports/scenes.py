@@ -7,8 +7,8 @@ from typing import Literal
 
 from roomkin.plugins.pictures import glb
 from roomkin.stages.contracts import GeneratedScene, read_json
+from roomkin.stages.contracts.generated import Look
 from roomkin.stages.contracts.library_folder import AssetFolders
-from roomkin.stages.contracts.look import Look
 from roomkin.stages.generation.scene_file import read_items
 from roomkin.stages.generation.scene_models import room_of
 

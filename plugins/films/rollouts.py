@@ -9,7 +9,7 @@ import numpy as np
 
 from roomkin.plugins.films.contract import Film
 from roomkin.plugins.films.writing import FRAMES, make_film_strip, write_films, write_png
-from roomkin.stages.evaluation.episodes import RolloutEpisode
+from roomkin.stages.evaluation.vector_env import RolloutEpisode
 from roomkin.stages.simulation.film_renderer import FilmRenderer, Image
 
 CAPTION = 40  # pixels of the line above a strip: read where the strip is shown at half its size

@@ -6,19 +6,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from roomkin.plugins.importing.buttons import explain_unpushable
 from roomkin.plugins.importing.hinges import (
     ALONG,
     MIN_OUT,
     MIN_TURN,
-    THIN,
+    THIN_LEAF,
+    explain_unpushable,
     list_carried_links,
     seen_points,
     slides_from_narrower,
 )
-from roomkin.stages.articulated.attributes import list_moved_links, merge_visuals
-from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
-from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel
+from roomkin.stages.articulated.handle import list_moved_links, merge_visuals
+from roomkin.stages.articulated.model import (
+    JointModel,
+    Matrix,
+    RobotModel,
+    change_root,
+    link_frames,
+    measure_closed_box,
+)
 from roomkin.stages.contracts.parts import PARTS
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
@@ -30,7 +36,7 @@ BEHIND_FRONT = (
 )
 
 
-class Front(NamedTuple):
+class ClosedFront(NamedTuple):
     """A door or drawer, closed: the direction that it opens to (an axis of the root frame) and the area of its face."""
 
     outward: Matrix
@@ -65,7 +71,7 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     """
     votes: dict[tuple[float, ...], list[float]] = {}
     for front in _fronts(_shorten_slides(robot)).values():
-        if isinstance(front, Front):
+        if isinstance(front, ClosedFront):
             votes.setdefault(tuple(front.outward.tolist()), []).append(front.area)
     if not votes:
         return None
@@ -73,7 +79,7 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     return np.array(best), len(votes[best])
 
 
-def _fronts(robot: RobotModel) -> dict[str, Front | str]:
+def _fronts(robot: RobotModel) -> dict[str, ClosedFront | str]:
     """For each moving joint its door or drawer, whichever way the model faces, or the reason why it is none."""
     frames = link_frames(robot)
     moving = (joint for joint in robot.joints if joint.type != "fixed" and joint.part_type != "button")
@@ -91,7 +97,7 @@ def _shorten_slides(robot: RobotModel) -> RobotModel:
     return replace(robot, joints=joints)
 
 
-def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> Front | str:
+def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> ClosedFront | str:
     links = list_moved_links(joint, robot.joints)
     box = _box(robot, links, frames)
     if box is None:
@@ -122,7 +128,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
         across = 1 - way
         if joint.upper - joint.lower < MIN_TURN:
             return f"turns by less than {np.rad2deg(MIN_TURN):.0f} degrees"
-        if abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
+        if abs(axis[way]) > 0.3 or extents[way] > THIN_LEAF * extents[across]:
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
         center = (low + high) / 2
         swing = float(np.cross(axis, center - frame[:3, 3])[way])
@@ -132,7 +138,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> F
         return "moves no front of some size"
     if (angle := _measure_skew(robot, links, frames, outward)) > ASKEW:
         return f"stands {np.rad2deg(angle):.0f} degrees askew"
-    return Front(outward, float(width * height))
+    return ClosedFront(outward, float(width * height))
 
 
 def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> Matrix | None:
@@ -178,7 +184,7 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
                 joints.append(before)
                 lines.append(f"button '{joint.name}': sprung, and pushed, not pulled")
                 continue
-        if isinstance(front, Front) and front.outward[0] != 1.0:
+        if isinstance(front, ClosedFront) and front.outward[0] != 1.0:
             front = "opens to another side than the front"
         if isinstance(front, str):
             fixed.setdefault(front, []).append(f"'{joint.name}'")

@@ -1,32 +1,136 @@
-"""`import`: look at a folder of models, say what each is taken for, and write a folder that the library takes."""
+"""One picture of an imported model: everything open, its front marked by an arrow on the ground before it.
 
+The page of the command `import`: a picture and a few lines per model, one file.
+
+`import`: look at a folder of models, say what each is taken for, and write a folder that the library takes.
+"""
+
+import base64
+import io
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+from sapien.physx import PhysxArticulation
 
 from roomkin.plugins.importing.discover import (
     PACK,
     PAGE,
-    Found,
+    FoundModel,
     describe_single_file,
     discover,
     find_unread_end,
     is_model,
     is_part,
 )
-from roomkin.plugins.importing.evidence import Evidence, find_shared_facts
-from roomkin.plugins.importing.examine import Examined, examine_model, explain, read
-from roomkin.plugins.importing.import_page import write_page
+from roomkin.plugins.importing.evidence import UNITS, Evidence, find_shared_facts
+from roomkin.plugins.importing.examine import NOTES, Examined, examine_model, explain, read
+from roomkin.plugins.importing.hinges import seen_points
+from roomkin.plugins.importing.importers import Axis
 from roomkin.plugins.importing.imports import IMPORTERS, by_suffix, in_one_line
-from roomkin.plugins.importing.naming import number_names, snake_case
-from roomkin.plugins.importing.pack import complete_pack, read_pack, write_pack
-from roomkin.plugins.importing.portrait import Portraits
+from roomkin.plugins.importing.pack import Pack, complete_pack, read_pack, write_pack
 from roomkin.plugins.importing.reach import list_unreachable
+from roomkin.plugins.importing.sandbox import number_names, snake_case
+from roomkin.stages.articulated.asset_folder import read_asset, read_model
+from roomkin.stages.articulated.model import link_frames
 from roomkin.stages.assets.snapshots import VisibilityCheck
 from roomkin.stages.cli import progress
+from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.errors import InputError, escape_control
+from roomkin.stages.contracts.files import write_text
+from roomkin.stages.simulation.framing import frame_all, intrinsics_of
+from roomkin.stages.simulation.loading import load_visual, remove
+from roomkin.stages.simulation.rendering import RenderCamera, make_scene
+from roomkin.stages.tables.markup import environment
+
+WIDTH, HEIGHT = 360, 288
+OPEN = 0.6  # of its range
+FROM = np.array([0.8, 0.5, 0.45])  # before it, from its left
+ARROW = (200, 40, 30)
+
+
+class Portraits:
+    """The camera; made once, as the first picture of a scene takes seconds."""
+
+    def __init__(self) -> None:
+        self.scene = make_scene(light=(-0.65, -0.35, -1.0))
+        self.intrinsics = intrinsics_of(WIDTH, HEIGHT)
+        self.camera = RenderCamera(self.scene, self.intrinsics, WIDTH, HEIGHT)
+
+    def take(self, folder: Path) -> Image.Image:
+        """The picture of an asset folder."""
+        asset = read_asset(folder)
+        body = load_visual(self.scene, folder, 1.0)
+        if isinstance(body, PhysxArticulation):
+            limits = body.get_qlimits()
+            body.set_qpos((limits[:, 0] + OPEN * (limits[:, 1] - limits[:, 0])).astype(np.float32))
+        low, high = np.array(asset.box_min), np.array(asset.box_max)
+        reach = 0.35 * float((high - low).max())
+        foot = np.array([high[0] + 0.3 * reach, (low[1] + high[1]) / 2, low[2]])
+        robot = read_model(folder)
+        seen = seen_points(robot, robot.links, link_frames(robot, OPEN))
+        opened = np.array([seen.min(axis=0), seen.max(axis=0)])
+        foot[0] = max(foot[0], opened[1, 0] + 0.1 * reach)
+        tip = foot + np.array([[reach, -0.3 * reach, 0], [reach, 0.3 * reach, 0]])
+        shown = np.concatenate([trimesh.bounds.corners(opened), tip])
+        view = frame_all(shown, FROM, HEIGHT / WIDTH)
+        picture = Image.fromarray(self.camera.render(view).rgb)
+        remove(self.scene, body)
+        self._arrow(picture, view, foot, reach)
+        return picture
+
+    def _arrow(self, picture: Image.Image, view: NDArray[np.float64], foot: NDArray[np.float64], reach: float) -> None:
+        """Draw an arrow on the ground, towards the front."""
+        outline = [(0, 0.08), (0.6, 0.08), (0.6, 0.24), (1, 0), (0.6, -0.24), (0.6, -0.08), (0, -0.08)]
+        points = np.array([foot + reach * np.array([x, y, 0]) for x, y in outline])
+        seen = (points - view[:3, 3]) @ view[:3, :3] @ self.intrinsics.T
+        ImageDraw.Draw(picture).polygon([tuple(point) for point in (seen[:, :2] / seen[:, 2:]).tolist()], fill=ARROW)
+
+
+def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, counts: Mapping[str, str]) -> None:
+    """Write the page; the models in the order of their folders, those that are not used last.
+
+    Args:
+        pack: what they share, which the page lets its reader change and save.
+        counts: by suffix, how many models tell what.
+    """
+    page = (
+        environment("roomkin.plugins.importing")
+        .get_template("import_page.html.jinja")
+        .render(
+            source=source.name,
+            notes=NOTES,
+            used=[(model, _place(model, path), _inline(model.picture)) for model in models if model.asset is not None],
+            pack=pack,
+            counts=counts,
+            axes=get_args(Axis),
+            units=UNITS,
+            known=sorted(known_categories()),
+            file=PACK,
+            refused=[(model, _place(model, path)) for model in models if model.asset is None],
+        )
+    )
+    write_text(path, page)
+
+
+def _place(model: Examined, page: Path) -> str:
+    return model.folder.relative_to(page.parent).as_posix()
+
+
+def _inline(picture: Image.Image | None) -> str:
+    """A picture as part of the page."""
+    if picture is None:
+        return ""
+    buffer = io.BytesIO()
+    picture.save(buffer, "WEBP")
+    return "data:image/webp;base64," + base64.b64encode(buffer.getvalue()).decode()
 
 
 def run(folder: Path, /, *, out: Path | None = None) -> None:
@@ -103,7 +207,7 @@ def describe_left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
         )
 
 
-def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
+def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[FoundModel]:
     """The models that are to be looked at: those of a folder, or a file.
 
     Raises:
@@ -149,6 +253,6 @@ def describe_unread(folder: Path) -> str:
     return f"files of kinds that are not read ({counts}): {mend}" if found else ""
 
 
-def places(found: Iterable[Found]) -> list[str]:
+def places(found: Iterable[FoundModel]) -> list[str]:
     """<category>/<name> of every model; names that are taken get a number."""
     return number_names([f"{snake_case(one.category)}/{snake_case(one.name)}" for one in found], [])

@@ -12,25 +12,25 @@ from typing import NamedTuple, get_args
 import numpy as np
 from pydantic import Field, ValidationError
 
-from roomkin.plugins.importing.discover import WHOLE, Found, discover
+from roomkin.plugins.importing.discover import WHOLE, FoundModel, discover
 from roomkin.plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
+from roomkin.plugins.importing.hinges import shut_where_smallest
 from roomkin.plugins.importing.importers import IMPORTERS, Axis, Importer
-from roomkin.plugins.importing.inertia_repair import repair_inertias, with_mass
-from roomkin.plugins.importing.inside import check_inside
-from roomkin.plugins.importing.naming import number_names, snake_case
 from roomkin.plugins.importing.proposal import Proposal
-from roomkin.plugins.importing.pushing import find_touching_links, stuck_joints
-from roomkin.plugins.importing.sandbox import run_in_fork
-from roomkin.plugins.importing.shut import shut_where_smallest
+from roomkin.plugins.importing.repairs import (
+    find_touching_links,
+    repair_inertias,
+    stuck_joints,
+    with_mass,
+    with_solid_handles,
+)
+from roomkin.plugins.importing.sandbox import check_inside, number_names, run_in_fork, snake_case
 from roomkin.plugins.importing.single_body import leave_out
-from roomkin.plugins.importing.solid_handle import with_solid_handles
-from roomkin.stages.articulated.asset_folder import Description, read_asset, write_asset
-from roomkin.stages.articulated.attributes import explain_ungraspable
-from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
+from roomkin.stages.articulated.asset_folder import Description, assign_part_types, read_asset, write_asset
+from roomkin.stages.articulated.handle import explain_ungraspable
 from roomkin.stages.articulated.mesh_reader import thicken_piece
-from roomkin.stages.articulated.model import Matrix, RobotModel
-from roomkin.stages.articulated.part_types import assign_part_types
-from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.articulated.model import Matrix, RobotModel, change_root, link_frames, measure_closed_box
+from roomkin.stages.articulated.resizing import stretch_model
 from roomkin.stages.articulated.urdf_tree import THIN
 from roomkin.stages.assets.snapshots import VisibilityCheck
 from roomkin.stages.cli import progress
@@ -76,13 +76,15 @@ class ModelFile(NamedTuple):
         return self.path.parent / "asset.json"
 
 
-def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Iterable[str] = ()) -> dict[str, Found]:
+def named_models(
+    folders: Sequence[Path], kinds: dict[str, Importer], taken: Iterable[str] = ()
+) -> dict[str, FoundModel]:
     """The models of <folder>/<category>/... by what they will be called; names that are taken get a number.
 
     Raises:
         InputError: a folder is missing or empty.
     """
-    found: list[Found] = []
+    found: list[FoundModel] = []
     for folder in dict.fromkeys(folders):
         if not folder.is_dir():
             raise InputError("assets.folders", f"{folder} is not a folder.", code="E-MODELS-NONE")
@@ -98,14 +100,16 @@ def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Ite
     return dict(zip(number_names([_name(one, kinds) for one in found], taken), found, strict=True))
 
 
-def _name(found: Found, kinds: dict[str, Importer]) -> str:
+def _name(found: FoundModel, kinds: dict[str, Importer]) -> str:
     try:
         return with_notes(found, kinds[found.path.suffix.lower()]).id
     except InputError:  # the import reports it
         return snake_case(f"{found.category}_{found.name}")
 
 
-def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: Path) -> tuple[list[Asset], list[str]]:
+def import_models(
+    models: dict[str, FoundModel], kinds: dict[str, Importer], folder: Path
+) -> tuple[list[Asset], list[str]]:
     """Write an asset folder below `folder` for every model, by name; and what is left out as broken, in a line each."""
     assets, left_out, visibility = [], [], VisibilityCheck()
     for name, found in progress(models.items(), "imports", len(models)):
@@ -124,7 +128,7 @@ def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: 
     return assets, left_out
 
 
-def _import_one(name: str, found: Found, kinds: dict[str, Importer], folder: Path) -> str:
+def _import_one(name: str, found: FoundModel, kinds: dict[str, Importer], folder: Path) -> str:
     """JSON of what is doubtful."""
     with in_one_line(found.path):
         file = with_notes(found, kinds[found.path.suffix.lower()])
@@ -151,7 +155,7 @@ def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
     return {importer.suffix or f".{shorten_name(name)}": importer for name, importer in loaded.items()}
 
 
-def with_notes(found: Found, importer: Importer) -> ModelFile:
+def with_notes(found: FoundModel, importer: Importer) -> ModelFile:
     """A model file with the notes beside it.
 
     Raises:

@@ -9,9 +9,8 @@ from pydantic import ValidationError
 from roomkin.plugins.importing.evidence import Shared
 from roomkin.plugins.importing.proposal import Proposal
 from roomkin.stages.contracts.categories import known_categories
-from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError, fault_of, line_of
 from roomkin.stages.contracts.files import read_text, write_text
-from roomkin.stages.contracts.yaml_files import fault_of, line_of
 
 HEAD = """\
 # What the models share; change it and run import again. null: each model by itself.

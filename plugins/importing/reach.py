@@ -8,7 +8,7 @@ from sapien.physx import PhysxArticulation
 
 from roomkin.stages.articulated.asset_folder import read_asset
 from roomkin.stages.contracts.library import Asset
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, make_transform
 from roomkin.stages.planning.articulation import choose_open_goals
 from roomkin.stages.planning.clearance import Surroundings

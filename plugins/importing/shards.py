@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from roomkin.plugins.importing.discover import NUMBERED, PACK, PAGE, is_utf8
 from roomkin.plugins.importing.imports import by_suffix, named_models
-from roomkin.plugins.importing.inside import is_inside
+from roomkin.plugins.importing.sandbox import is_inside
 from roomkin.stages.config.assets import AssetsConfig
 from roomkin.stages.config.code import files_digest
 from roomkin.stages.contracts.files import MAX_TEXT

@@ -11,18 +11,16 @@ import numpy as np
 from roomkin.plugins.films.contract import Film
 from roomkin.plugins.films.demonstrations import FilmedAttempt, make_strip, plot_cloud
 from roomkin.plugins.films.writing import FRAMES, write_films, write_png
-from roomkin.plugins.in_scene.base_shifts import find_obstacle, find_touched, list_base_shifts
 from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
-from roomkin.plugins.in_scene.room import read_room
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.plugins.in_scene.room import find_obstacle, find_touched, list_base_shifts, read_room
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
 from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.errors import ObjectError
-from roomkin.stages.contracts.look import ROOM_LIGHT
-from roomkin.stages.contracts.task_options import TaskConfig
-from roomkin.stages.demonstrations.attempt import Recorder
+from roomkin.stages.contracts.generated import ROOM_LIGHT
+from roomkin.stages.contracts.policy_config import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder, write_episodes
 from roomkin.stages.demonstrations.collect import attempt_seeds
-from roomkin.stages.demonstrations.store import write_episodes
 from roomkin.stages.plugins import load
 from roomkin.stages.simulation.film_renderer import FilmRenderer
 from roomkin.stages.tasks.api import EnvWrapper
@@ -31,7 +29,7 @@ from roomkin.stages.tasks.task import Task
 SCENE_TRIES = 10  # attempts in one scene; chosen for time
 
 
-class Setting(NamedTuple):
+class SceneSettings(NamedTuple):
     """The settings for all scenes; `cache`: folder for models at their sizes, `stores`: for episodes."""
 
     object: str
@@ -81,7 +79,7 @@ def run(
         raise InputError("--object", what, f"those there are: {', '.join(known)}", code="E-SCENE-OBJECT")
     found, films, strips = [], [], []
     with TemporaryDirectory(prefix="acdc-room-") as cache, TemporaryDirectory(prefix="acdc-stores-") as stores:
-        setting = Setting(object, task, library, settings, world, seed, Path(cache), Path(stores))
+        setting = SceneSettings(object, task, library, settings, world, seed, Path(cache), Path(stores))
         renderer = FilmRenderer(ROOM_LIGHT)
         for path, generated in read.items():
             try:
@@ -106,7 +104,7 @@ def _failed(generated: GeneratedScene, reason: str, **about: Any) -> SceneDemons
 
 
 def demonstrate_in_scene(
-    path: Path, generated: GeneratedScene, setting: Setting
+    path: Path, generated: GeneratedScene, setting: SceneSettings
 ) -> tuple[SceneDemonstration, FilmedAttempt | None]:
     """A demonstration in one scene, with what is to be filmed."""
     object, placed = setting.object, {item.id: item for item in generated.objects}

@@ -12,7 +12,6 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from roomkin.plugins.mujoco.camera import DepthCamera
 from roomkin.plugins.mujoco.world import (
     ARM_JOINTS,
     CAMERA,
@@ -20,6 +19,7 @@ from roomkin.plugins.mujoco.world import (
     MODEL,
     ROBOT,
     TIMESTEP,
+    DepthCamera,
     ModelFiles,
     build,
 )
@@ -28,18 +28,16 @@ from roomkin.stages.articulated.resizing import resize_model
 from roomkin.stages.contracts import Asset, InputError, read_json
 from roomkin.stages.geometry.frames import invert_transform
 from roomkin.stages.planning.clearance import Surroundings
-from roomkin.stages.simulation.controller import apply_delta, scale_action
 from roomkin.stages.simulation.kinematics import IK_DAMPING, LIMIT_MARGIN, MAX_JOINT_STEP, Array
 from roomkin.stages.simulation.loading import load_asset, physics_scene
 from roomkin.stages.simulation.observation import CAMERA_FROM_IMAGE
-from roomkin.stages.simulation.recording import Moment, Recording
-from roomkin.stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
+from roomkin.stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP, apply_delta, scale_action
+from roomkin.stages.simulation.room import Moment, Recording
 from roomkin.stages.simulation.target import Target, read_target
 from roomkin.stages.tasks.api import EnvWrapper, Float
 from roomkin.stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
-from roomkin.stages.tasks.cameras import shoulder
 from roomkin.stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
-from roomkin.stages.tasks.observation import CameraRig, Observation
+from roomkin.stages.tasks.observation import CameraRig, Observation, shoulder
 
 SHOWN_ID = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
 

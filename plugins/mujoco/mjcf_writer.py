@@ -112,7 +112,7 @@ class ModelWriter:
                 ET.SubElement(element, "geom", {"class": "collision", "type": "box"} | box)
                 continue
             name = f"{model}_hull_{next(self.numbers)}"
-            hull = mesh_writer.Surface(np.asarray(piece.vertices), np.asarray(piece.faces))
+            hull = mesh_writer.TriangleSurface(np.asarray(piece.vertices), np.asarray(piece.faces))
             mesh_writer.write_obj(self.folder / "meshes" / f"{name}.obj", [hull])
             ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
             ET.SubElement(element, "geom", {"class": "collision", "type": "mesh", "mesh": name})

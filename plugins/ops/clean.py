@@ -5,10 +5,8 @@ import sys
 from pathlib import Path
 
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.corrections import CORRECTIONS
-from roomkin.stages.contracts.errors import escape_control
-from roomkin.stages.contracts.hand import MADE, PROJECT, find_hand_file, is_by_hand
-from roomkin.stages.contracts.words import count
+from roomkin.stages.contracts.errors import count, escape_control
+from roomkin.stages.contracts.hand import CORRECTIONS, MADE, PROJECT, find_hand_file, is_by_hand
 
 WRITTEN = ("results", "logs", ".snakemake")  # by a run, in its folder; and tables of times in benchmarks/
 

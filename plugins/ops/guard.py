@@ -14,8 +14,15 @@ import sys
 from pathlib import Path
 from typing import IO
 
-from roomkin.plugins.ops.lock import LOCK, WORKFLOW, Holder, is_taken_over, start_time, stop_if_taken_over
-from roomkin.plugins.ops.queue import cancel_left_over
+from roomkin.plugins.ops.queue import (
+    LOCK,
+    WORKFLOW,
+    Holder,
+    cancel_left_over,
+    is_taken_over,
+    start_time,
+    stop_if_taken_over,
+)
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import BEFORE_WRITING, PARTIAL
 from roomkin.stages.contracts.system import JOB_START

@@ -5,7 +5,7 @@ import sys
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
-from roomkin.plugins.ops.finished import list_for_run, warn_of_changed
+from roomkin.plugins.ops.verify import list_for_run, warn_of_changed
 from roomkin.plugins.ops.guard import asks_for_run, hold_folder
 from roomkin.plugins.ops.outside import container_environment
 from roomkin.stages.contracts.errors import InputError

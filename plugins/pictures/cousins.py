@@ -11,12 +11,11 @@ from PIL import Image, ImageDraw, ImageFont
 
 from roomkin.stages.contracts import Cousins, InputError, read_json, write_atomically
 from roomkin.stages.contracts.cousins import Cousin
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.images import LETTERS, TILE
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.contracts.words import count
-from roomkin.stages.geometry.crop import View, darken_rest
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.geometry.masks import ObjectView, darken_rest
+from roomkin.stages.matching.snapshots import SceneObjects, Snapshots
 
 
 def run(
@@ -40,7 +39,7 @@ def run(
         library: library.json, its archives beside it, for `in_place`.
         in_place: the module of a package that shows cousins in the object's place, too.
     """
-    scene = Scene(objects, image)
+    scene = SceneObjects(objects, image)
     show = import_module(in_place[0]).InPlace(scene, library).show if in_place and library else None
     write_picture(out, read_json(Cousins, cousins), scene, snapshots, show)
 
@@ -51,7 +50,7 @@ InPlace = Callable[[SceneObject, Cousin], tuple[Picture, str] | None]
 
 
 def write_picture(
-    path: Path, result: Cousins, scene: Scene, snapshots: Sequence[Path], in_place: InPlace | None = None
+    path: Path, result: Cousins, scene: SceneObjects, snapshots: Sequence[Path], in_place: InPlace | None = None
 ) -> None:
     """Write one row per object: its crop, then its cousins with asset, distance and yaw.
 
@@ -94,7 +93,7 @@ def write_picture(
         page.save(temporary)
 
 
-def crop_picture(view: View) -> Picture:
+def crop_picture(view: ObjectView) -> Picture:
     """The object (TILE, TILE, 3) with a little of what is around it, darkened outside its mask."""
     return _fit(darken_rest(view))
 

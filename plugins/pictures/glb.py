@@ -11,12 +11,12 @@ from trimesh.exchange.gltf import export_glb
 from roomkin.stages.articulated.model import JointModel
 from roomkin.stages.articulated.surfaces import ColoredMesh, surfaces
 from roomkin.stages.contracts import GeneratedScene, write_atomically
-from roomkin.stages.generation.scene_models import CAMERA, Body, Room, surface_of
+from roomkin.stages.generation.scene_models import CAMERA, Body, ExportedScene, surface_of
 from roomkin.stages.geometry.cameras import OPENGL
 from roomkin.stages.geometry.frames import Y_UP, make_transform, yaw_matrix
 
 
-def write(room: Room, out: Path, largest: int | None = None) -> None:
+def write(room: ExportedScene, out: Path, largest: int | None = None) -> None:
     """Write the GLB `out`; doors and drawers are closed.
 
     Args:

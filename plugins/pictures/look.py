@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from roomkin.plugins.pictures.painting import furnish
-from roomkin.stages.contracts.generated import GeneratedScene
-from roomkin.stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.generated import GAMMA, ROOM_LIGHT, GeneratedScene, Look, Surface
 from roomkin.stages.contracts.objects import Objects
 from roomkin.stages.contracts.types import LARGEST
 from roomkin.stages.generation.models import read_collisions
@@ -20,8 +19,8 @@ from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.cameras import back_project
 from roomkin.stages.geometry.frames import SAMPLED, transform_points
 from roomkin.stages.geometry.masks import MIN_PIXELS
-from roomkin.stages.simulation.backdrop import WALL_HEIGHT
 from roomkin.stages.simulation.rendering import RenderCamera, instance_id
+from roomkin.stages.simulation.room import WALL_HEIGHT
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
@@ -36,7 +35,7 @@ MIN_CORRELATION = 0.25  # below it the picture shows no shadows to go by; chosen
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenPixels:
     """The pixels of the grid at which a surface is seen: row and column in it, place (N, 3), color (N, 3) of 0 to 1.
 
     `normal` faces the camera; `open_above`: the surface goes on beyond the picture's upper border.
@@ -58,7 +57,7 @@ def find_grid(objects: Objects) -> tuple[int, Array]:
 
 def find_surfaces(
     rgb: NDArray[np.uint8], masks: NDArray[np.uint16], depth: NDArray[np.float32] | None, objects: Objects
-) -> dict[str, Seen]:
+) -> dict[str, SeenPixels]:
     """Visible floor and walls: pixels of no object whose ray meets the plane first, at about their depth.
 
     Args:
@@ -85,7 +84,7 @@ def find_surfaces(
         rows, columns = np.nonzero(free & (first == index))
         if len(rows) >= MIN_PIXELS:
             points = camera + rays[rows, columns] * nearest[rows, columns, None]
-            found[name] = Seen(normal, rows, columns, points, rgb[rows, columns] / 255.0, bool(rows.min() < 2))
+            found[name] = SeenPixels(normal, rows, columns, points, rgb[rows, columns] / 255.0, bool(rows.min() < 2))
     return found
 
 
@@ -95,7 +94,7 @@ def _distance(rays: Array, camera: Array, normal: Array, offset: float) -> Array
     return np.where((falling > 1e-6) & (height > 0), height / np.maximum(falling, 1e-6), np.inf)
 
 
-def find_bounds(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float, float]]:
+def find_bounds(name: str, seen: SeenPixels) -> tuple[tuple[float, float], tuple[float, float]]:
     """Bounds of a surface from what is seen of it: x and y of the floor; along the tangent of a wall, and in height."""
     tangent = np.array([-seen.normal[1], seen.normal[0], 0.0])
     along = seen.points[:, :2] if name == "floor" else np.column_stack([seen.points @ tangent, seen.points[:, 2]])
@@ -106,7 +105,7 @@ def find_bounds(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float
     return (a, b), (c, d)
 
 
-def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float]:
+def estimate_light(seen: Mapping[str, SeenPixels], furniture: Trimesh) -> tuple[Array, float]:
     """Unit direction in which the light shines, and how well its shadows agree with the picture.
 
     Of all directions that come through no wall, the one for which the places that the furniture keeps from the light
@@ -180,7 +179,7 @@ def estimate_look(
 
 
 def _adjust_colors(
-    scene: sapien.Scene, surfaces: Sequence[Surface], seen: Mapping[str, Seen], objects: Objects
+    scene: sapien.Scene, surfaces: Sequence[Surface], seen: Mapping[str, SeenPixels], objects: Objects
 ) -> list[Surface]:
     """Surfaces in colors nearer to the picture's, by how far a rendering misses their medians; the scene has them."""
     step, intrinsics = find_grid(objects)

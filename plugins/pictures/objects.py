@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from roomkin.stages.contracts import Objects, read_json, write_atomically
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.extracted import read_object_masks
 from roomkin.stages.contracts.images import Color, check_size, color_of, read_rgb
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.contracts.words import count
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from roomkin.stages.geometry.cameras import project
 from roomkin.stages.geometry.frames import invert_transform, transform_points

@@ -5,13 +5,12 @@ import sapien
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from roomkin.stages.contracts.generated import GeneratedScene
-from roomkin.stages.contracts.look import Look
+from roomkin.stages.contracts.generated import GeneratedScene, Look
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.generation.settling import load_items
 from roomkin.stages.geometry.boxes import corners
-from roomkin.stages.simulation.backdrop import BEYOND, add_backdrop
 from roomkin.stages.simulation.rendering import RenderCamera, make_scene
+from roomkin.stages.simulation.room import BEYOND, add_backdrop
 
 
 def furnish(generated: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:

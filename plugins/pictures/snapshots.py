@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.features import MAKE_SNAPSHOTS, open_snapshots
 from roomkin.stages.contracts.files import write_atomically
 from roomkin.stages.contracts.images import COLUMNS, LETTERS, TILE
-from roomkin.stages.contracts.snapshot_file import AGAIN, open_snapshots
 
 
 def run(*, snapshots: tuple[Path, ...]) -> None:
@@ -20,7 +20,7 @@ def run(*, snapshots: tuple[Path, ...]) -> None:
     """
     for shard in snapshots:
         sidecar, file = open_snapshots(shard)
-        with file, explain_unreadable(shard, "snapshot file", AGAIN):  # a chunk may be damaged
+        with file, explain_unreadable(shard, "snapshot file", MAKE_SNAPSHOTS):  # a chunk may be damaged
             sheet = contact_sheet(file["rgb"], sidecar.assets)
         with write_atomically(shard.with_suffix(".png")) as path:
             sheet.save(path)

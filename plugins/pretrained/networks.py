@@ -23,7 +23,7 @@ from transformers import (
 from roomkin.plugins.pretrained.weights import load_pretrained
 from roomkin.stages.config.perception import MeasureOptions, OutlineSection
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.depth import NEAREST, SKY
+from roomkin.stages.contracts.images import NEAREST, SKY
 
 Picture = NDArray[np.uint8]
 IMAGENET = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)

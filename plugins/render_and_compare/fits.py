@@ -1,24 +1,135 @@
-"""Candidates fitted to one object: every way that one may stand, rendered in place and compared."""
+"""Candidates fitted to one object: every way that one may stand, rendered in place and compared.
+
+How well a rendered candidate agrees with the object, term by term: outline, depth, lines, color, proportions.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import cv2
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from roomkin.plugins.render_and_compare.config import GeometryConfig
 from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
-from roomkin.plugins.render_and_compare.noisy_cloud import NoisyCloud
-from roomkin.plugins.render_and_compare.observation import observe
-from roomkin.plugins.render_and_compare.rendering import Rendering, render
-from roomkin.plugins.render_and_compare.solid import ColoredSolid
-from roomkin.plugins.render_and_compare.terms import Terms, compare, line_field
-from roomkin.plugins.render_and_compare.yaws import aligned_yaws, is_front_known, touched_walls
+from roomkin.plugins.render_and_compare.observation import (
+    NoisyCloud,
+    ObservedGrid,
+    aligned_yaws,
+    is_front_known,
+    observe,
+    touched_walls,
+)
+from roomkin.plugins.render_and_compare.rendering import ColoredSolid, Rendering, render
 from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.cameras import view_angle, view_yaw
 from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
-from roomkin.stages.geometry.viewing import view_angle, view_yaw
+from roomkin.stages.geometry.masks import ObjectView
+from roomkin.stages.geometry.robust import REACH
+from roomkin.stages.matching.descriptors import LIGHTNESS
+
+DEPTH_SCALE = 0.06  # of the diagonal, beyond the noise of depth: a difference that counts as wholly wrong; chosen
+LINE_DIRECTIONS, LINE_BLUR, LINE_WINDOW = 6, 1.2, 4.0  # of half a turn; cells: lines may be off, are compared within
+FAINTEST_LINE = 0.1  # lines weaker than this are noise; chosen
+COLOR_SCALE = 0.3  # of Lab / 100: a difference that counts as wholly wrong; chosen
+Array = NDArray[np.float32]
+
+
+class Terms(NamedTuple):
+    """Agreement in [0, 1], 1 best, but for `proportions`: how unlike the stretches of the three axes are, 0 best."""
+
+    outline: float
+    depth: float
+    lines: float
+    colour: float
+    proportions: float
+
+
+def compare(seen: ObservedGrid, shown: Rendering, size: ArrayLike, native: ArrayLike, given: Array) -> Terms:
+    """Compare a candidate of extents `size` (3,), `native` in the library; `given`: `line_field` of the object."""
+    covered = shown.cover >= 0.5
+    both = seen.mask & covered
+    known = both & (seen.depth > 0)
+    if not known.any():
+        return Terms(0, 0, 0, 0, distortion(size, native))
+    ratio = float(np.median(seen.depth[known] / shown.depth[known]))  # the fit's distance, and the error of depth's
+    outline = outline_agreement(seen, shown, ratio)
+    tolerance = DEPTH_SCALE * np.linalg.norm(np.asarray(size)) + REACH * seen.depth_error.predict(seen.depth[known])
+    off = np.abs(seen.depth[known] - ratio * shown.depth[known]) / tolerance
+    shared = erode_mask(both) if erode_mask(both).any() else both
+    return Terms(
+        outline,
+        1 - float(np.minimum(off, 1).mean()),
+        line_agreement(given, line_field(shown.plain), shared),
+        color_agreement(seen.rgb[both], shown.rgb[both]),
+        distortion(size, native),
+    )
+
+
+def outline_agreement(seen: ObservedGrid, shown: Rendering, ratio: float) -> float:
+    """Intersection over union of the outlines, over the cells where the candidate could be seen."""
+    visible = ~((shown.cover > 0) & seen.find_hidden(shown.depth * ratio))
+    mask = seen.mask.astype(np.float32)
+    union = np.maximum(mask, shown.cover)[visible].sum()
+    return float(np.minimum(mask, shown.cover)[visible].sum() / union) if union else 0.0
+
+
+def erode_mask(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Cells that do not lie at the outline."""
+    return cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
+
+
+def line_field(rgb: Array) -> Array:
+    """Gradients (h, w, 2) of a picture, x and y, in the Lab channel that changes most; compressed."""
+    lab = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2LAB) / 100
+    field = np.zeros((*lab.shape, 2), np.float32)
+    field[:, 1:-1, :, 0] = (lab[:, 2:] - lab[:, :-2]) / 2
+    field[1:-1, :, :, 1] = (lab[2:] - lab[:-2]) / 2
+    strength = np.linalg.norm(field, axis=-1)
+    chosen = strength.argmax(axis=-1)[..., None]
+    strongest = np.take_along_axis(field, chosen[..., None], axis=2)[:, :, 0]
+    return strongest / np.sqrt(np.maximum(np.take_along_axis(strength, chosen, axis=2), 1e-12))
+
+
+def line_agreement(given: Array, shown: Array, where: NDArray[np.bool_]) -> float:
+    """Mean agreement of two line fields around each cell, by direction, whichever side of a line is the darker one.
+
+    As in structural similarity: twice the product over the squares' sum, over a window; 1 where neither has lines.
+    """
+    a, b = _by_direction(given, where), _by_direction(shown, where)
+    product = cv2.GaussianBlur((a * b).sum(axis=-1), (0, 0), LINE_WINDOW)
+    squares = cv2.GaussianBlur((a * a + b * b).sum(axis=-1), (0, 0), LINE_WINDOW)
+    agreement = (2 * product + FAINTEST_LINE**2) / (squares + FAINTEST_LINE**2)
+    return float(agreement[where].mean())
+
+
+def _by_direction(field: Array, where: NDArray[np.bool_]) -> Array:
+    """Strengths (h, w, LINE_DIRECTIONS) of lines by direction, each spread over the cells by which it may be off."""
+    strength = np.linalg.norm(field, axis=-1) * where
+    at = np.arctan2(field[..., 1], field[..., 0]) % np.pi / np.pi * LINE_DIRECTIONS
+    below = np.floor(at).astype(int)
+    share = at - below
+    channels = np.zeros((*where.shape, LINE_DIRECTIONS), np.float32)
+    rows, columns = np.arange(where.shape[0])[:, None], np.arange(where.shape[1])
+    channels[rows, columns, below % LINE_DIRECTIONS] = strength * (1 - share)
+    channels[rows, columns, (below + 1) % LINE_DIRECTIONS] += strength * share
+    return np.asarray(cv2.GaussianBlur(channels, (0, 0), LINE_BLUR), np.float32)
+
+
+def color_agreement(given: Array, shown: Array) -> float:
+    """Agreement of colors (N, 3); the lightness of the whole does not count, nor does half of that of its parts."""
+    a, b = (cv2.cvtColor(np.ascontiguousarray(rgb[None]), cv2.COLOR_RGB2LAB)[0] / 100 for rgb in (given, shown))
+    off = a - b
+    off[:, 0] = LIGHTNESS * (off[:, 0] - np.median(off[:, 0]))
+    return 1 - float(np.minimum(np.linalg.norm(off, axis=1) / COLOR_SCALE, 1).mean())
+
+
+def distortion(size: ArrayLike, native: ArrayLike) -> float:
+    """Range of the logarithms of the three axes' scales: 0 if the model keeps its proportions."""
+    return float(np.ptp(np.log(np.maximum(np.asarray(size), 1e-4) / np.maximum(np.asarray(native), 1e-4))))
+
 
 SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one; chosen
 
@@ -47,7 +158,7 @@ class Fit(NamedTuple):
 class Fitter:
     """Fits models of a library to one object that has depth, intrinsics and a box."""
 
-    def __init__(self, view: View, item: SceneObject, scene: Objects, resolution: int) -> None:
+    def __init__(self, view: ObjectView, item: SceneObject, scene: Objects, resolution: int) -> None:
         assert item.box is not None
         self.box = UprightBox(item.box.center, item.box.size, item.box.yaw)
         self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution)

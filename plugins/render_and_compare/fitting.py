@@ -5,13 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.plugins.render_and_compare.noisy_cloud import NoisyCloud
-from roomkin.plugins.render_and_compare.observation import Observation
-from roomkin.plugins.render_and_compare.solid import ColoredSolid
+from roomkin.plugins.render_and_compare.observation import NoisyCloud, ObservedGrid
+from roomkin.plugins.render_and_compare.rendering import ColoredSolid
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.estimate import BIN, TRIM
 from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
-from roomkin.stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Terms, find_step
+from roomkin.stages.geometry.robust import BIN, LARGEST_CHANGE, TRIM, UNUSUAL, Deviations, find_step
 
 OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face; chosen
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: deviation of any face, and how much more of the hidden one; chosen
@@ -59,7 +57,7 @@ def measure(sight: NoisyCloud, box: UprightBox, yaw: float, wall: tuple[Array, f
     return Measured(np.take_along_axis(ends, order, axis=0), np.take_along_axis(errors, order, axis=0), yaw)
 
 
-def lay_over(solid: ColoredSolid, measured: Measured, seen: Observation) -> UprightBox:
+def lay_over(solid: ColoredSolid, measured: Measured, seen: ObservedGrid) -> UprightBox:
     """The box whose outline in the picture reaches the sides of the mask, near the measured one.
 
     Gauss-Newton over place and logarithms of the extents, with Cauchy's weights. Three kinds of residuals: sides of
@@ -72,7 +70,7 @@ def lay_over(solid: ColoredSolid, measured: Measured, seen: Observation) -> Upri
     native = np.maximum(solid.asset.size, BIN)
     level = TURNED if SYMMETRY_PERIOD[solid.asset.symmetry] < np.pi else STRETCH
 
-    def compare(change: Array) -> Terms:
+    def compare(change: Array) -> Deviations:
         middle, extents = center + change[:3] * size, size * np.exp(change[3:])
         pixels = seen.project(solid.place_outline(UprightBox(turn @ middle, extents, measured.yaw)))
         sides = np.concatenate([pixels.min(axis=0), pixels.max(axis=0)])
@@ -81,7 +79,7 @@ def lay_over(solid: ColoredSolid, measured: Measured, seen: Observation) -> Upri
         x, y, z = np.log(extents / native)
         stretch = [(x - y) / level, (z - (x + y) / 2) / STRETCH]
         terms = np.concatenate([off / SIDE_ERROR, ((ends - measured.ends) / measured.errors).ravel(), stretch])
-        return Terms(terms, np.ones(len(terms)), np.full(len(terms), UNUSUAL))
+        return Deviations(terms, np.ones(len(terms)), np.full(len(terms), UNUSUAL))
 
     change = np.zeros(6)
     for _ in range(ROUNDS):

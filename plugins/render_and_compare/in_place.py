@@ -10,14 +10,13 @@ from roomkin.plugins.render_and_compare.workbench import Workbench
 from roomkin.stages.contracts.cousins import Cousin
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.matching.question import AbstainedError, Question
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.matching.snapshots import SceneObjects, Snapshots
 
 
 class InPlace:
     """Renders cousins of a scene's objects; `library`: library.json, its archives beside it."""
 
-    def __init__(self, scene: Scene, library: Path) -> None:
+    def __init__(self, scene: SceneObjects, library: Path) -> None:
         self.scene, self.library = scene, library
         self.workbench = Workbench("draw", GeometryConfig().resolution)
 

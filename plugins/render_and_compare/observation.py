@@ -1,5 +1,11 @@
-"""An object's part of a picture on a small grid of rays: the given side of every comparison."""
+"""An object's part of a picture on a small grid of rays: the given side of every comparison.
 
+The ends of an object from the noisy cloud that a depth camera has of it.
+
+How an object may stand, by what is known besides its picture: its front, the walls that it touches, its box.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,12 +13,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.objects import DepthError
+from roomkin.stages.contracts import Objects
+from roomkin.stages.contracts.objects import DepthError, SceneObject, Wall
 from roomkin.stages.geometry.cameras import FloorCamera, back_project
-from roomkin.stages.geometry.crop import View
-from roomkin.stages.geometry.estimate import REACH
-from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.geometry.masks import OUTLINE, pixel_bounds
+from roomkin.stages.geometry.frames import transform_points, wrap_angle, yaw_matrix
+from roomkin.stages.geometry.masks import OUTLINE, ObjectView, pixel_bounds
+from roomkin.stages.geometry.robust import REACH
 
 SAMPLES = 2  # rays per cell and direction: thin lines do not break; chosen
 SURROUNDINGS = 0.12  # of the object's longer side, around its mask; chosen
@@ -23,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Observation(FloorCamera):
+class ObservedGrid(FloorCamera):
     """The object on a grid (h, w) of cells, each `step` pixels wide.
 
     rgb (h, w, 3) 0 to 1; mask: its pixels; depth: metres along the optical axis, 0: unknown, of all that is seen;
@@ -65,7 +71,7 @@ def measure_occluder_gap(depth: NDArray[np.floating], error: DepthError) -> NDAr
     return NEARER + REACH * error.predict(depth)
 
 
-def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longest: int) -> Observation:
+def observe(view: ObjectView, floor_from_camera: Array, depth_error: DepthError, longest: int) -> ObservedGrid:
     """The object and a little of what is around it, at most `longest` cells across; no cell is less than a pixel.
 
     The view has depth and intrinsics, and its mask is not empty.
@@ -88,7 +94,7 @@ def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longe
     rows, columns = view.mask.shape
     inside = ((y > -0.5) & (y < rows - 0.5))[:, None] & ((x > -0.5) & (x < columns - 0.5))
     nearest = np.ix_(np.rint(y).astype(int).clip(0, rows - 1), np.rint(x).astype(int).clip(0, columns - 1))
-    return Observation(
+    return ObservedGrid(
         rgb=smooth(view.rgb.astype(np.float32) / np.float32(255)),
         mask=(smooth(view.mask.astype(np.float32)) >= 0.5) & inside,
         depth=np.where(inside, view.depth[nearest], 0).astype(np.float32),
@@ -104,7 +110,7 @@ def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longe
     )
 
 
-def _cloud(view: View, floor_from_camera: Array) -> Array:
+def _cloud(view: ObjectView, floor_from_camera: Array) -> Array:
     """Points (N, 3) of the object, floor frame; its outermost pixels, half of them background, only if all are."""
     assert view.depth is not None and view.intrinsics is not None
     known = view.mask & (view.depth > 0)
@@ -131,3 +137,70 @@ def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating], error: Dept
         hidden = own[known] - other[known] > measure_occluder_gap(own[known], error)
         free.append(not hidden.size or bool(hidden.mean() < 0.5))
     return np.array(free)
+
+
+MAX_INSET = 0.25  # share of the length that is taken off an end at most; chosen
+
+
+@dataclass(frozen=True)
+class NoisyCloud:
+    """An object as a depth camera sees it.
+
+    points: (N, 3). camera: its position (3,), in the same frame, z up. error: the standard deviation of depth, metres,
+    at a distance from the camera, metres.
+    """
+
+    points: Array
+    camera: Array
+    error: Callable[[float], float]
+
+    @cached_property
+    def ray(self) -> Array:
+        """Unit vector (3,) from the camera to the middle of the points."""
+        ray = self.points.mean(axis=0) - self.camera
+        return np.asarray(ray / np.linalg.norm(ray))
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation, metres, of the points along the ray, caused by depth noise."""
+        return self.error(float(np.linalg.norm(self.points.mean(axis=0) - self.camera)))
+
+    def measure_ends(self, yaw: float, trim: float, deviations: float) -> Array:
+        """Lowest and highest level coordinates (2, 2) of the points along axes turned by `yaw`.
+
+        Noise puts points outside the faces, so `deviations` standard deviations are taken off at both ends.
+
+        Args:
+            trim: share of the points left out at each end.
+        """
+        limits = np.quantile(self.points[:, :2] @ yaw_matrix(yaw)[:2, :2], [trim, 1 - trim], axis=0)
+        inset = np.minimum(deviations * self.noise_along(yaw), MAX_INSET * (limits[1] - limits[0]))
+        return np.stack([limits[0] + inset, limits[1] - inset])
+
+    def noise_along(self, yaw: float) -> Array:
+        """Standard deviation (2,), metres, of noise along the level axes turned by `yaw`."""
+        return np.abs(self.ray[:2] @ yaw_matrix(yaw)[:2, :2]) * self.noise
+
+
+def touched_walls(item: SceneObject, scene: Objects) -> list[Wall]:
+    """The walls that an object touches, the dominant one first."""
+    names = item.mounting.walls if item.mounting is not None and item.mounting.type != 2 else []
+    walls = {wall.id: wall for wall in scene.walls}
+    return [walls[name] for name in names]
+
+
+def is_front_known(item: SceneObject, scene: Objects) -> bool:
+    """Whether the input tells its front, or a wall is at its rear: no picture needs to say which way it faces."""
+    return item.front is not None or bool(touched_walls(item, scene))
+
+
+def aligned_yaws(item: SceneObject, scene: Objects) -> list[float]:
+    """Yaws, floor frame: its front's if the input tells it; else away from each wall that it touches, the dominant one
+    first, as generation lays rears into walls (paper A.3); else the four along its box."""
+    assert item.box is not None
+    if item.front is not None:
+        return [item.front]
+    walls = touched_walls(item, scene)
+    if walls:
+        return [float(np.arctan2(wall.normal[1], wall.normal[0])) for wall in walls]
+    return [wrap_angle(item.box.yaw + quarter) for quarter in np.arange(4) * np.pi / 2]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from roomkin.plugins.render_and_compare.fits import Fitter
-from roomkin.plugins.render_and_compare.solid import ColoredSolid
+from roomkin.plugins.render_and_compare.rendering import ColoredSolid
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.geometry.masks import MIN_PIXELS
 from roomkin.stages.matching.question import AbstainedError, Question

@@ -1,20 +1,33 @@
-"""Pictures for a page, scaled down and embedded in the HTML."""
+"""Pictures for a page, scaled down and embedded in the HTML.
+
+Small pictures of the library's assets, turned as matching chose.
+"""
 
 import base64
 import io
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
+from roomkin.stages.contracts.arrays import explain_unreadable
 from roomkin.stages.contracts.errors import InputError, explain
+from roomkin.stages.contracts.features import MAKE_SNAPSHOTS, open_snapshots
+from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.generated import GeneratedScene
 from roomkin.stages.contracts.images import read_narrow
+from roomkin.stages.contracts.library import SnapshotShard
+from roomkin.stages.geometry.cameras import MARGIN, view_angle
+from roomkin.stages.geometry.frames import angle_difference
 
 THUMBNAIL = 150  # pixels: small pictures of objects and assets
 
 
-class Picture(NamedTuple):
+class PagePicture(NamedTuple):
     """A picture inside the page."""
 
     source: str
@@ -26,12 +39,12 @@ class Picture(NamedTuple):
 class Animation(NamedTuple):
     """A film, and the still picture shown where nothing should move."""
 
-    film: Picture
-    still: Picture
+    film: PagePicture
+    still: PagePicture
 
 
-def _embed_picture(data: bytes, size: tuple[int, int], alt: str) -> Picture:
-    return Picture(f"data:image/webp;base64,{base64.b64encode(data).decode('ascii')}", *size, alt)
+def _embed_picture(data: bytes, size: tuple[int, int], alt: str) -> PagePicture:
+    return PagePicture(f"data:image/webp;base64,{base64.b64encode(data).decode('ascii')}", *size, alt)
 
 
 @dataclass(frozen=True)
@@ -41,17 +54,17 @@ class Album:
     width: int
     quality: int
 
-    def add(self, path: Path | None, alt: str) -> Picture | None:
+    def add(self, path: Path | None, alt: str) -> PagePicture | None:
         """The picture of a file, if the run has it."""
         return self.put(read_narrow(path, self.width), alt) if path else None
 
-    def put(self, picture: Image.Image, alt: str) -> Picture:
+    def put(self, picture: Image.Image, alt: str) -> PagePicture:
         """A picture that is small enough."""
         buffer = io.BytesIO()
         picture.save(buffer, "WEBP", quality=self.quality, method=4)
         return _embed_picture(buffer.getvalue(), picture.size, alt)
 
-    def thumbnail(self, picture: Image.Image | None, alt: str) -> Picture | None:
+    def thumbnail(self, picture: Image.Image | None, alt: str) -> PagePicture | None:
         """A small picture, if there is one."""
         if picture is None:
             return None
@@ -73,3 +86,50 @@ class Album:
             what = f"is not a readable film ({explain(error)})."
             raise InputError(path, what, "make it again", code="E-FILM-UNREADABLE") from None
         return Animation(_embed_picture(path.read_bytes(), last.size, alt), self.put(last, alt))
+
+
+class SnapshotShards:
+    """Some shards of snapshots (.h5); each picture is read when it is asked for."""
+
+    def __init__(self, shards: Iterable[Path]) -> None:
+        sidecars = {path: read_json(SnapshotShard, path.with_suffix(".json")) for path in shards}
+        self._places = {
+            asset: (path, index) for path, one in sidecars.items() for index, asset in enumerate(one.assets)
+        }
+
+    def picture(self, asset: str, yaw: float | None = None) -> Image.Image | None:
+        """The asset at the yaw nearest to `yaw` (None: the representative view), cut out; None if it is unknown.
+
+        Raises:
+            InputError: the shard cannot be read.
+        """
+        if asset not in self._places:
+            return None
+        path, index = self._places[asset]
+        shard, file = open_snapshots(path)
+        view = -1 if yaw is None else int(np.argmin([angle_difference(each, yaw) for each in shard.yaws]))
+        with file, explain_unreadable(path, "snapshot file", MAKE_SNAPSHOTS):
+            return cut_out(file["rgb"][index, view], file["depth"][index, view] > 0)
+
+
+def cut_out(rgb: NDArray[np.uint8], seen: NDArray[np.bool_]) -> Image.Image:
+    """The part of a picture that is seen, square, the rest transparent."""
+    picture = Image.fromarray(np.dstack([rgb, seen.astype(np.uint8) * 255]), "RGBA")
+    if not seen.any():
+        return picture
+    rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+    top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
+    half = (1 + 2 * MARGIN) * max(bottom - top, right - left) / 2
+    x, y = (left + right) / 2, (top + bottom) / 2
+    return picture.crop((round(x - half), round(y - half), round(x + half), round(y + half)))
+
+
+def views_of(scenes: Iterable[GeneratedScene], name: str) -> dict[str, float]:
+    """Yaws of snapshots at which the camera sees the models that stand for an object, by asset; first ranks first."""
+    found: dict[str, float] = {}
+    for scene in scenes:
+        camera = [row[3] for row in scene.floor_from_camera]
+        for item in scene.objects:
+            if item.id == name and item.status == "ok":
+                found.setdefault(item.asset, view_angle(camera, item.position, item.yaw))
+    return found

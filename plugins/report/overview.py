@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from roomkin.plugins.report.page.overview import Layout, count_failures, row
+from roomkin.plugins.report.page.overview import RunFolders, count_failures, row
 from roomkin.plugins.report.report import link_there_and_back, render
 from roomkin.stages.contracts.files import write_text
 from roomkin.stages.tables.order import sort_key
@@ -31,7 +31,9 @@ def run(
         logs: folder of the logs; a scene that stopped shows the last line of its log.
     """
     links = {path.stem: link_there_and_back(path, out) for path in pages}
-    rows = [row(scene, Layout(results, logs, variant), links.get(scene, "")) for scene in sorted(scenes, key=sort_key)]
+    rows = [
+        row(scene, RunFolders(results, logs, variant), links.get(scene, "")) for scene in sorted(scenes, key=sort_key)
+    ]
     reasons = [one.stopped.reason for one in rows if one.stopped]
     counts = {"waiting": reasons.count(NOT_RUN), "stopped": len(reasons) - reasons.count(NOT_RUN)}
     counts["made"] = len(rows) - len(reasons)

@@ -25,16 +25,16 @@ from roomkin.plugins.report.roles import role_title
 from roomkin.plugins.robustness import rows as robustness
 from roomkin.plugins.robustness.table import robustness_table
 from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.contracts.errors import count, describe_size
 from roomkin.stages.contracts.files import read_json, read_options, read_text, write_text
 from roomkin.stages.contracts.generated import measure_place_sureness, measure_sureness
 from roomkin.stages.contracts.library import Library
-from roomkin.stages.contracts.words import count, describe_size
 from roomkin.stages.tables import policy_tables, scene_tables, table2
 from roomkin.stages.tables.cells import CELL, RATE
 from roomkin.stages.tables.markup import Table, environment
 from roomkin.stages.tables.methods import join_published, kinds_of
 from roomkin.stages.tables.order import title as title_of
-from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.policy_tables import policy_notes
 from roomkin.stages.tables.rows import published_policies, read_table, records
 from roomkin.stages.tables.scenes import parse_comparisons
 from roomkin.stages.tables.text import number, percent

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
-from roomkin.stages.contracts.training_sets import DRAW, DRAWN, RANDOMISED, SetName, is_set, read_set, strip_randomised
+from roomkin.stages.contracts.policy_config import DRAW, DRAWN, RANDOMISED, SetName, is_set, read_set, strip_randomised
 from roomkin.stages.tables.markup import Table, read_notes
 from roomkin.stages.tables.order import title
 from roomkin.stages.tables.text import cell, number

@@ -1,8 +1,15 @@
-"""Poses of all objects of a room from its recipe and the sizes of its models, stretched to the scale of the room."""
+"""Models for all objects of a room, and their poses (paper B.1).
 
-from collections.abc import Mapping
+Poses follow from the recipe and the sizes of the models, stretched to the scale of the room.
+
+Choose a model for every item of the rooms by seed; no model stands in two rooms (paper B.1).
+"""
+
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +17,7 @@ from scipy.optimize import brentq
 from shapely import Polygon
 
 from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Hung, Item, Room, WallName
+from roomkin.stages.contracts import Asset, InputError
 from roomkin.stages.geometry.boxes import UprightBox, footprint
 from roomkin.stages.geometry.frames import yaw_matrix
 
@@ -29,7 +37,7 @@ class PlacedItem:
 
 
 @dataclass(frozen=True)
-class Layout:
+class FurnishedRoom:
     """A furnished room. `half_width` is the stretched one."""
 
     standing: dict[str, PlacedItem]
@@ -88,15 +96,15 @@ def _place_beside(place: Beside, size: Size, room: Room, done: Mapping[str, Plac
     return Against(against=wall, along=along)
 
 
-def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> Layout:
+def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> FurnishedRoom:
     """Every item at one stretch of the room; items come after those they refer to."""
     done: dict[str, PlacedItem] = {}
     for item in room.items:
         done[item.name] = _place(item, sizes[item.name], room, done, stretch)
-    return Layout(done, room.half_width * stretch)
+    return FurnishedRoom(done, room.half_width * stretch)
 
 
-def arrange(room: Room, sizes: Mapping[str, Size]) -> Layout | None:
+def arrange(room: Room, sizes: Mapping[str, Size]) -> FurnishedRoom | None:
     """The room stretched so that its scale is exact; None if these models do not fit into it."""
 
     def measure_excess(stretch: float) -> float:
@@ -109,7 +117,7 @@ def arrange(room: Room, sizes: Mapping[str, Size]) -> Layout | None:
     return layout if is_valid_layout(layout, room) else None
 
 
-def is_valid_layout(layout: Layout, room: Room) -> bool:
+def is_valid_layout(layout: FurnishedRoom, room: Room) -> bool:
     """No two boxes overlap, all are inside the room, and what lies on something lies on it wholly."""
     standing = list(layout.standing.values())
     plans = {one.item.name: footprint(one.box) for one in standing}
@@ -127,3 +135,82 @@ def is_valid_layout(layout: Layout, room: Room) -> bool:
 def _overlap(a: PlacedItem, b: PlacedItem, plans: Mapping[str, Polygon]) -> bool:
     apart = a.box.top <= b.box.bottom + TOUCH or b.box.top <= a.box.bottom + TOUCH
     return not apart and plans[a.item.name].buffer(-TOUCH).intersects(plans[b.item.name])
+
+
+ATTEMPTS = 400  # draws of a room before it is refused as one that does not fit; chosen for time
+SALT = 0x5CE7E  # keeps this draw apart from others with the same seed
+
+
+@dataclass(frozen=True)
+class CastRoom:
+    """A room with its models (by item name) and their places."""
+
+    room: Room
+    layout: FurnishedRoom
+    assets: dict[str, Asset]
+
+
+def templates(models: dict[str, Asset]) -> set[str]:
+    """Ids of the models that may furnish rooms; near relatives of another model are left out."""
+    return {name for name, asset in models.items() if asset.recipe is None or asset.recipe.variation_of is None}
+
+
+def choose_models(
+    room: Room, models: dict[str, Asset], free: set[str], rng: np.random.Generator, library: Path
+) -> dict[str, Asset]:
+    """One model per item, all different, by the item's name.
+
+    Raises:
+        InputError: no unused model is left for an item.
+    """
+    chosen: dict[str, Asset] = {}
+    left = {name: asset for name, asset in models.items() if name in free}
+    for item in room.items:
+        able = [name for name, one in left.items() if one.category == item.category and item.model.accepts(one)]
+        if not able:
+            fault = (
+                f"has no model left for '{item.name}' of {room.name}: category {item.category}, {item.model.text()}."
+            )
+            fix = f"raise assets.counts.{item.category} (no model stands in two rooms)"
+            raise InputError(library, fault, fix, code="E-MODELS-SHORT")
+        chosen[item.name] = left.pop(able[int(rng.integers(len(able)))])
+    return chosen
+
+
+def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Path) -> dict[str, CastRoom]:
+    """Models and layout of every room, by the room's name.
+
+    A room's cast depends on the rooms before it, never on those after it: jobs for single rooms agree. Near relatives
+    of other models play no part: a larger library has the same rooms. If no remaining models fit a room (one seed of
+    twenty has such a room), it takes some of other rooms, and a line on stderr says so.
+
+    Raises:
+        InputError: a category is short, or its models are too large for the room.
+    """
+    rng = np.random.default_rng(np.random.SeedSequence((seed, SALT)))
+    able = templates(models)
+    free = set(able)
+    result = {}
+    for room in rooms:
+        found = cast_room(room, models, free, rng, library)
+        if found is None:
+            found = cast_room(room, models, able, rng, library)
+            print(f"{room.name}: no models that are left fit its layout: some are of other rooms", file=sys.stderr)
+        if found is None:
+            fault = f"{room.name}: no choice of models fits its layout."
+            raise InputError(library, fault, "raise assets.counts", code="E-MODELS-SHORT")
+        result[room.name] = found
+        free -= {asset.id for asset in found.assets.values()}
+    return result
+
+
+def cast_room(
+    room: Room, models: dict[str, Asset], able: set[str], rng: np.random.Generator, library: Path
+) -> CastRoom | None:
+    """The room with models of those `able` to play, by chance; None if no choice of many fits its layout."""
+    for _ in range(ATTEMPTS):
+        assets = choose_models(room, models, able, rng, library)
+        layout = arrange(room, {name: asset.size for name, asset in assets.items()})
+        if layout is not None:
+            return CastRoom(room, layout, assets)
+    return None

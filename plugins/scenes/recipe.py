@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
+from roomkin.stages.contracts.generated import Color
 from roomkin.stages.contracts.library import Asset
-from roomkin.stages.contracts.look import Color
 from roomkin.stages.contracts.section import Positive, check_range
 
 WallName = Literal["back", "left", "right"]

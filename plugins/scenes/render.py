@@ -5,13 +5,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from roomkin.plugins.scenes.casting import CastRoom, cast
-from roomkin.plugins.scenes.chance import draw_room
+from roomkin.plugins.scenes.chance import draw_room, frame
 from roomkin.plugins.scenes.config import ScenesConfig
-from roomkin.plugins.scenes.framing import frame
-from roomkin.plugins.scenes.layout import scale_of
-from roomkin.plugins.scenes.photograph import photograph
-from roomkin.plugins.scenes.repaint import AS_IS, repaint_room
+from roomkin.plugins.scenes.layout import CastRoom, cast, scale_of
+from roomkin.plugins.scenes.photograph import AS_IS, photograph, repaint_room
 from roomkin.plugins.scenes.room_files import read_room, room_files, series
 from roomkin.stages.contracts import Annotations, Camera, InputError, Truth, read_options, write_json
 from roomkin.stages.contracts.library_folder import AssetFolders

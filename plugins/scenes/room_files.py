@@ -10,11 +10,10 @@ from pydantic import ValidationError
 
 from roomkin.plugins.scenes.recipe import Room
 from roomkin.stages.config.categories import CATEGORIES, Known
-from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.files import first_error, read_text
+from roomkin.stages.contracts.errors import InputError, fault_of, first_error, line_of
+from roomkin.stages.contracts.files import read_text
 from roomkin.stages.contracts.objects import object_ids
 from roomkin.stages.contracts.parts import FRONTS
-from roomkin.stages.contracts.yaml_files import fault_of, line_of
 from roomkin.stages.plugins import data_file, list_available
 
 Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # five times as fast where it is there

@@ -1,7 +1,7 @@
 # The scripted skill on what policies are rolled out on: what can be reached at best.
 # Reads:  the assets of targets, the library.
 # Writes: results/evaluation/skill/<target>/rollouts.csv.
-from roomkin.stages.config.demonstrations import MotionOptions
+from roomkin.stages.config.training import MotionOptions
 
 
 container: CONFIG.containers.simulation

@@ -3,17 +3,15 @@
 import sys
 from pathlib import Path
 
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.config.evaluation import SkillOptions
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.contracts.policies import Rollout
-from roomkin.stages.contracts.task_options import TaskConfig
-from roomkin.stages.evaluation.episodes import RolloutEpisode
-from roomkin.stages.evaluation.rows import write_rows
-from roomkin.stages.evaluation.states import Start, starts_of
-from roomkin.stages.evaluation.vector_env import Acting, VectorEnv
+from roomkin.stages.contracts.policy_config import TaskConfig
+from roomkin.stages.evaluation.states import Start, starts_of, write_rows
+from roomkin.stages.evaluation.vector_env import Acting, RolloutEpisode, VectorEnv
 from roomkin.stages.skills import FAR, Float
-from roomkin.stages.skills.chain import SkillChain
+from roomkin.stages.skills.motion import SkillChain
 from roomkin.stages.tasks.api import EnvWrapper
 
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from roomkin.plugins.claims.assets import of_splits
 from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.policies import TaskAsset
-from roomkin.stages.contracts.words import count
 from roomkin.stages.tables.cells import ROW, in_order
 from roomkin.stages.tables.intervals import PLACE, place_weights, quantiles
 from roomkin.stages.tables.markup import Table
@@ -27,7 +27,7 @@ TRAITS = {
 COLUMNS = [*ROW, "trait", "training_set", "assets", "families", "correlation", "low", "high"]
 
 
-class Shown(NamedTuple):
+class ShownAssets(NamedTuple):
     """The assets of a training set, and the factors between which demonstrations stretch each axis of them."""
 
     assets: Sequence[TaskAsset]
@@ -46,7 +46,7 @@ class Shown(NamedTuple):
         return float(((own >= least) & (own <= most)).mean())
 
 
-def traits(tested: Sequence[TaskAsset], sets: Mapping[tuple[str, int], Shown]) -> pd.DataFrame:
+def traits(tested: Sequence[TaskAsset], sets: Mapping[tuple[str, int], ShownAssets]) -> pd.DataFrame:
     """A row per training set, seed and unseen asset with what no row of `Rollout` tells: `handle_height`, `coverage`.
 
     Args:

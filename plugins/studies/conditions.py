@@ -8,9 +8,8 @@ import pandas as pd
 from roomkin.plugins.claims.assets import BASELINES
 from roomkin.stages.config.evaluation import USUAL
 from roomkin.stages.config.tables import MethodTables, TablesConfig
-from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.errors import InputError, count
 from roomkin.stages.contracts.files import read_options
-from roomkin.stages.contracts.words import count
 from roomkin.stages.tables.cells import CELL, in_order, rates, tabulate_gains
 from roomkin.stages.tables.markup import Table
 from roomkin.stages.tables.methods import read_pooled

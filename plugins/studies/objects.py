@@ -7,8 +7,8 @@ import pandas as pd
 
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.policies import Rollout
+from roomkin.stages.tables.intervals import t_interval
 from roomkin.stages.tables.rows import ONE_TEST, read_rows
-from roomkin.stages.tables.statistics import t_interval
 
 ASKED = (("cousins_8", "twin"), ("random_8", "cousins_8"))  # ours minus theirs: cousins or the twin, chance or nearness
 CONFIDENCE = 0.95

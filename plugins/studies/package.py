@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from roomkin.plugins.studies.pinned_assets import pinned_assets
+from roomkin.plugins.studies.pinned_file import pinned_assets
 from roomkin.stages.config.mistakes import Mistake
 from roomkin.stages.config.packages import Package
 from roomkin.stages.config.tables import MethodTables

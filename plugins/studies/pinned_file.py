@@ -1,16 +1,26 @@
-"""Committed files of a target's assets: a table with a row per asset, or the `assets.json` that a run wrote."""
+"""Committed files of a target's assets: a table with a row per asset, or the `assets.json` that a run wrote.
+
+Committed files of assets that targets name: they are there, and are about the target.
+"""
 
 import csv
 import io
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, ValidationError
 
+from roomkin.stages.config.mistakes import Mistake
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_json, read_rows, refusal, write_text
 from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
+from roomkin.stages.contracts.policy_config import DRAWN, read_set
 from roomkin.stages.contracts.types import Extent, Id, Rank, SceneName, Size, Text
+
+if TYPE_CHECKING:
+    from roomkin.stages.config.model import Config
+
 
 LISTS = ("all", "random", "cover", "validation", "test")  # roles whose assets stand in a list of that name
 HEAD = ("task", "scene", "object", "encoder", "held_out", "draws")  # the same in all rows
@@ -70,3 +80,40 @@ def _list_of(role: str) -> str:
 
 def _cell(value: Any) -> Any:
     return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
+
+
+def pinned_assets(config: "Config") -> Iterator[Mistake]:
+    """Mistakes in `experiment.targets.<name>.assets`."""
+    experiment = config.experiment
+    for name, target in experiment.targets.items():
+        key, file = f"experiment.targets.{name}", target.assets
+        if file is None:
+            continue
+        if not Path(file).is_file():
+            yield Mistake(f"{key}.assets", f"no file {file}", "correct the path, or null: chosen anew", "E-CONFIG-FILE")
+            continue
+        try:
+            plan = read_pinned(Path(file))
+        except InputError as error:
+            mend = "choose the assets anew: docs/reproduce.md"
+            yield Mistake(f"{key}.assets", str(error).rstrip("."), mend, error.code)
+            continue
+        if (plan.scene, plan.object) != (target.room, target.object):
+            what = f"{target.object} of {target.room}, but {file} is about {plan.object} of {plan.scene}"
+            yield Mistake(f"{key}.object", what, "name that object, or another file")
+        cousins = sum(asset.role.startswith("cousin_") for asset in plan.assets)
+        if cousins < experiment.cousins:
+            what = f"{experiment.cousins}, but {file} has {cousins}"
+            yield Mistake("experiment.cousins", what, "lower it, or choose the assets anew")
+        if sorted(plan.held_out) != sorted(experiment.held_out):
+            what = f"{experiment.held_out}, but {file} holds out {plan.held_out}"
+            yield Mistake("experiment.held_out", what, "set it so, or choose the assets anew")
+        drawn = [name for name in experiment.sets_of(name) if read_set(name).rule in DRAWN]
+        if drawn and plan.draws < experiment.draws:
+            what = f"{experiment.draws}, but {file} has {plan.draws} for {', '.join(drawn)}"
+            yield Mistake("experiment.draws", what, "lower it, or choose the assets anew")
+        for training_set in drawn:
+            rule, count, _ = read_set(training_set)
+            if count > plan.length(rule):
+                what = f"{training_set} needs {count} assets, {file} has {plan.length(rule)} in a draw"
+                yield Mistake("experiment.training_sets", what, "leave it out, or choose the assets anew")

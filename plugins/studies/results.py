@@ -13,29 +13,34 @@ from roomkin.plugins.report.roles import list_demonstrated_assets, lists_table, 
 from roomkin.plugins.robustness import rows as robustness
 from roomkin.plugins.robustness.table import robustness_table
 from roomkin.plugins.studies import conditions
-from roomkin.plugins.studies.associations import Shown, associations_table, traits
+from roomkin.plugins.studies.associations import ShownAssets, associations_table, traits
 from roomkin.plugins.studies.associations import build as associate
-from roomkin.plugins.studies.progress import list_counting_runs, policy_file, progress_table
-from roomkin.plugins.studies.study import cost, facts, fold_table, split_totals
+from roomkin.plugins.studies.study import (
+    cost,
+    facts,
+    fold_table,
+    list_counting_runs,
+    policy_file,
+    progress_table,
+    split_totals,
+)
 from roomkin.stages.config.evaluation import USUAL
 from roomkin.stages.config.model import Config, read_files
-from roomkin.stages.config.policy_kinds import policy_tables
 from roomkin.stages.config.targets import Cell
+from roomkin.stages.config.training import policy_tables
 from roomkin.stages.contracts.files import read_json, write_text
 from roomkin.stages.contracts.library import Library
 from roomkin.stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
-from roomkin.stages.contracts.training_sets import is_randomised
+from roomkin.stages.contracts.policy_config import is_randomised
 from roomkin.stages.tables import policy_tables as table3_text
 from roomkin.stages.tables import table2, table3
-from roomkin.stages.tables.drawing import save, style
+from roomkin.stages.tables.figures import figure6, save, style
 from roomkin.stages.tables.markup import Table
-from roomkin.stages.tables.methods import kinds_of, read_pooled, read_rollouts
+from roomkin.stages.tables.methods import kinds_of, pool_of, pool_rollouts, read_pooled, read_rollouts
 from roomkin.stages.tables.order import SKILL, SPLITS, target_title, title
 from roomkin.stages.tables.policies import collect, write_figures
-from roomkin.stages.tables.policy_notes import policy_notes
-from roomkin.stages.tables.pooling import pool_of, pool_rollouts
+from roomkin.stages.tables.policy_tables import policy_notes
 from roomkin.stages.tables.rows import ONE_SCENE, published_scenes, read_rows
-from roomkin.stages.tables.scene_figure import figure6
 from roomkin.stages.tables.scene_tables import scenes_table
 from roomkin.stages.tables.writing import write_csv
 
@@ -109,7 +114,7 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
             chosen, stretch = read_json(TaskAssets, path), config.task_of(str(target)).scale_range
             wider, policies = config.demonstrations.randomise.extents, part[part["training_set"] != SKILL]
             sets = {
-                (name, seed): Shown(
+                (name, seed): ShownAssets(
                     list_demonstrated_assets(chosen, experiment.roles(name, seed)),
                     wider if is_randomised(name) else stretch,
                 )

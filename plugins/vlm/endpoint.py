@@ -1,19 +1,63 @@
-"""Requests to a chat endpoint by the client `openai`, which waits while the server is busy; failures are sorted."""
+"""Requests to a chat endpoint by the client `openai`, which waits while the server is busy; failures are sorted.
 
+Whether a text holds a key in an encoding: a ledger that is shared must not.
+"""
+
+import base64
+import codecs
+import html
 import json
 import os
 import re
 from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
 
-from roomkin.plugins.vlm.answers import UnusableError
 from roomkin.plugins.vlm.config import VlmConfig
-from roomkin.plugins.vlm.hiding import holds_key
+from roomkin.plugins.vlm.prompt import UnusableError
 from roomkin.stages.contracts.errors import InputError, escape_control
 
 if TYPE_CHECKING:
     import openai
+
+
+ROUNDS = 3  # encodings within each other that are undone
+SHORTEST = 8  # letters and digits of a key that is looked for: shorter ones are words
+
+
+def holds_key(text: str, key: str) -> bool:
+    """Whether a text has a key as escapes of JSON, of addresses or of HTML, cut by other characters, turned round, in
+    base64 or 32, as hexadecimal numbers, or in ROT13; small and capital letters alike."""
+    if len(_letters(key)) < SHORTEST:
+        return False
+    wanted = {_letters(form) for form in _encode(key)}
+    for _ in range(ROUNDS):
+        found = _letters(text)
+        if any(form in found for form in wanted):
+            return True
+        text = _decode(text)
+    return False
+
+
+def _encode(key: str) -> list[str]:
+    data = key.encode()
+    forms = [key, key[::-1], codecs.encode(key, "rot13"), data.hex()]
+    for before in range(3):  # where it begins within three bytes decides on its letters
+        coded = base64.b64encode(b"\0" * before + data).decode().rstrip("=")
+        forms.append(coded[(8 * before + 5) // 6 : len(coded) - 1].translate(str.maketrans("", "", "+/")))
+    return [*forms, base64.b32encode(data).decode().rstrip("=")[:-1]]
+
+
+def _decode(text: str) -> str:
+    text = re.sub(r"\\u\{?([0-9a-fA-F]{4})\}?|\\x([0-9a-fA-F]{2})", lambda m: chr(int(m[1] or m[2], 16)), text)
+    return html.unescape(unquote(text))
+
+
+def _letters(text: str) -> str:
+    """Letters and digits alone: what cuts a key, seen or not, falls out."""
+    return re.sub("[^a-z0-9]", "", text.lower())
+
 
 RETRIES = 4  # after a busy server or no reply, at longer and longer pauses, or when the server says
 BUSY = (408, 409, 429)
@@ -26,7 +70,7 @@ class UnreachedError(Exception):
     """The server gave no reply, however often it was asked."""
 
 
-class RefusedError(Exception):
+class RefusedRequestError(Exception):
     """The server does not take this request (400, 413, 422 ...)."""
 
 
@@ -110,7 +154,7 @@ class Endpoint:
             raise InputError(where, f"HTTP {status}: nothing is left.", fix, code="E-VLM-ACCOUNT") from None
         if status in (404, 405) or status < 400:
             raise InputError(where, said, "correct vlm.url or vlm.model", code="E-VLM-ADDRESS") from None
-        raise (RefusedError if status < 500 and status not in BUSY else UnreachedError)(said) from None
+        raise (RefusedRequestError if status < 500 and status not in BUSY else UnreachedError)(said) from None
 
     def quote_server(self, text: str) -> str:
         """A server's answer in one line that may be shown."""

@@ -1,10 +1,18 @@
-"""Find the handle of a door or drawer by ray casting (paper A.4)."""
+"""Find the handle of a door or drawer by ray casting (paper A.4).
 
+Attributes of a door or drawer, measured: kind of handle, hinge side, position and extents of the front.
+"""
+
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
+
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel, Visual, visual_bounds
+from roomkin.stages.contracts.library import FrontPanel, HandleKind
+from roomkin.stages.contracts.parts import HingeSide
 
 Array = NDArray[np.float64]
 
@@ -99,3 +107,114 @@ def _panel_depth(x: Array) -> float:
     counts, edges = np.histogram(x, bins=max(1, int(np.ceil(np.ptp(x) / NEAREST))))
     best = int(counts.argmax())
     return float(np.median(x[(x >= edges[best]) & (x <= edges[best + 1])]))
+
+
+ROOM = 0.5  # metres before a handle that a hand and its forearm need
+AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge
+MOST_OF_IT = 0.7  # share of the panel's extent that such a profile runs along at least
+BENT = 0.15  # share of an arch's surface that lies deeper than four fifths of how far it stands out; a bar has less
+
+
+def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], low: Matrix) -> FrontPanel | None:
+    """The front that a joint moves; None if it moves nothing visible (a helper link).
+
+    Args:
+        frames: of the links, everything closed.
+        low: lowest corner (3,) of the asset's box in the root frame.
+    """
+    links = list_moved_links(joint, robot.joints)
+    boxes = (visual_bounds(robot.links[link].visuals, frames[link]) for link in links)
+    corners = [box for box in boxes if box is not None]
+    if not corners:
+        return None
+    least, most = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    middle, size = (least + most) / 2, np.maximum(most - least, 1e-6)
+    return FrontPanel(
+        hinge=_hinge_side(joint, frames[joint.child], middle),
+        across=round(float(middle[1] - low[1]), 5),  # +y is on the right of someone who looks along -x
+        height=round(float(middle[2] - low[2]), 5),
+        size=(round(float(size[1]), 5), round(float(size[2]), 5)),
+    )
+
+
+def measure_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
+    """Kind of the handle on the links that a joint moves, from their shape; None: no handle, see `ungraspable`."""
+    held = _find_handle(robot, joint, frames)
+    return None if isinstance(held, str) else _kind(*held)
+
+
+def explain_ungraspable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str | None:
+    """The reason why a gripper cannot grasp the links that a joint moves; None: it can."""
+    held = _find_handle(robot, joint, frames)
+    return held if isinstance(held, str) else None
+
+
+def _find_handle(
+    robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]
+) -> tuple[Handle, trimesh.Trimesh] | str:
+    """The handle on the links that a joint moves, with their mesh; or the reason why a gripper cannot grasp it."""
+    moving = list_moved_links(joint, robot.joints)
+    mesh = merge_visuals(robot, moving, frames)
+    handle = None if mesh is None else find_handle(mesh)
+    if handle is None or mesh is None:
+        return f"nothing stands out of its front by {1000 * PROTRUSION:.0f} mm or more"
+    if (width := exact_width(mesh, handle)) > WIDEST:
+        return f"what stands out of its front is {100 * width:.3g} cm wide, and a gripper holds {100 * WIDEST:.0f}"
+    others = merge_visuals(robot, robot.links.keys() - set(moving), frames)
+    ahead = np.array([1.0, 0.0, 0.0])
+    if others is not None:
+        hits, _, _ = others.ray.intersects_location(
+            [handle.position + SURFACE_GAP * ahead], [ahead], multiple_hits=False
+        )
+        if len(hits) and (room := float(hits[0, 0] - handle.position[0])) < ROOM:
+            return f"{100 * room:.2g} cm before its handle stands something else"
+    return handle, mesh
+
+
+def merge_visuals(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
+    """Visual meshes of some links as one mesh in the root frame; None: they have none."""
+    meshes = [_strip_material(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
+    return trimesh.util.concatenate(meshes) if meshes else None  # type: ignore[return-value]
+
+
+def list_moved_links(joint: JointModel, joints: Sequence[JointModel]) -> list[str]:
+    """The link that a joint moves and all that is fixed to it, such as its handle."""
+    links = [joint.child]
+    for other in joints:  # parents before children
+        if other.type == "fixed" and other.parent in links:
+            links.append(other.child)
+    return links
+
+
+def _strip_material(visual: Visual, frame: Matrix) -> trimesh.Trimesh:
+    """The mesh without its material, in the asset frame."""
+    return trimesh.Trimesh(trimesh.transform_points(visual.mesh.vertices, frame), visual.mesh.faces, process=False)
+
+
+def _hinge_side(joint: JointModel, frame: Matrix, middle: Matrix) -> HingeSide:
+    """The side of a panel on which the axis of its joint lies; `middle` is the panel's, the front faces +x."""
+    if joint.type == "prismatic":
+        return "slide"
+    across, up = (frame[:3, 3] - middle)[1:]
+    upright = np.argmax(np.abs(frame[:3, :3] @ joint.axis)) == 2
+    if upright:
+        return "right" if across > 0 else "left"  # +y is on the right of someone who looks along -x
+    return "top" if up > 0 else "bottom"
+
+
+def _kind(handle: Handle, panel: trimesh.Trimesh) -> HandleKind:
+    if not handle.elongated:
+        return "knob"
+    along = int(np.argmax(np.abs(handle.axis)))
+    across = 3 - along  # of y and z, the other one
+    low, high = panel.bounds
+    margin = min(handle.position[across] - low[across], high[across] - handle.position[across])
+    if margin < AT_EDGE and handle.length > MOST_OF_IT * (high - low)[along]:
+        return "edge"
+    hits = front_hits(panel)
+    near = np.abs(hits[:, across] - handle.position[across]) < max(GRID, handle.width / 4)
+    near &= np.abs(hits[:, along] - handle.position[along]) < handle.length / 2
+    depth = (hits[near, 0] - handle.position[0]) / handle.protrusion + 1.0  # 0 at the panel, 1 at the foremost surface
+    raised = depth > 0.15
+    bent = raised & (depth < 0.8)
+    return "arch" if bent.sum() > BENT * raised.sum() else "bar"

@@ -29,7 +29,7 @@ def is_box(mesh: Trimesh) -> bool:
     return bool(at_corners) and len(np.unique(upper @ (1, 2, 4))) == 8
 
 
-class Surface(NamedTuple):
+class TriangleSurface(NamedTuple):
     """Triangles: vertices (V, 3), faces (F, 3) that index them, and where they are to be seen normals (V, 3), where
     they carry a texture its coordinates at the corners of every face (3 F, 2)."""
 
@@ -39,7 +39,7 @@ class Surface(NamedTuple):
     uv: NDArray[np.float64] | None = None
 
 
-def split_sharp_edges(visual: Visual) -> Surface:
+def split_sharp_edges(visual: Visual) -> TriangleSurface:
     """The mesh with vertices split where edges are to look sharp."""
     if not visual.flat:
         mesh = visual.mesh
@@ -50,10 +50,10 @@ def split_sharp_edges(visual: Visual) -> Surface:
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
     faces = np.arange(3 * len(corners)).reshape(-1, 3)
-    return Surface(corners.reshape(-1, 3), faces, np.repeat(across, 3, axis=0), _uv(visual, corners))
+    return TriangleSurface(corners.reshape(-1, 3), faces, np.repeat(across, 3, axis=0), _uv(visual, corners))
 
 
-def _smooth(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Surface:
+def _smooth(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> TriangleSurface:
     """Faces that meet at no sharp edge share their vertices and their normals there, the mean by area."""
     areas = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 1]])
     normals = areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), 1e-30)
@@ -69,7 +69,7 @@ def _smooth(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Surface:
     )
     total = np.stack([np.bincount(corner, areas[:, axis].repeat(3), len(at)) for axis in range(3)], axis=1)
     unit = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-30)
-    return Surface(vertices[faces.ravel()[first]], corner.reshape(-1, 3).astype(np.int64), unit)
+    return TriangleSurface(vertices[faces.ravel()[first]], corner.reshape(-1, 3).astype(np.int64), unit)
 
 
 def _uv(visual: Visual, corners: NDArray[np.float64]) -> NDArray[np.float64] | None:
@@ -84,7 +84,7 @@ def _uv(visual: Visual, corners: NDArray[np.float64]) -> NDArray[np.float64] | N
     return np.asarray((uv / visual.texture.repeat + visual.start).reshape(-1, 2))
 
 
-def write_obj(path: Path, surfaces: list[Surface], texture: Texture | None = None) -> None:
+def write_obj(path: Path, surfaces: list[TriangleSurface], texture: Texture | None = None) -> None:
     """Several surfaces as one OBJ, with a texture that lies beside it (`write_texture`)."""
     starts = np.cumsum([1, *(len(surface.vertices) for surface in surfaces)])
     faces = np.concatenate([surface.faces + start for surface, start in zip(surfaces, starts, strict=False)])

@@ -1,20 +1,55 @@
-"""The same asset at another size: models that have a recipe are made again by their maker, others are stretched."""
+"""The same asset at another size: models that have a recipe are made again by their maker, others are stretched.
+
+An articulation at another size: every extent scaled by its own factor, at constant density.
+"""
 
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from roomkin.stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
-from roomkin.stages.articulated.model import RobotModel
-from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.articulated.model import Link, Matrix, RobotModel, link_frames
 from roomkin.stages.contracts.errors import InputError, ObjectError
 from roomkin.stages.contracts.library import Asset, Finish, Recipe, Vector
 from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.geometry.frames import make_transform
 from roomkin.stages.plugins import load_all
+
+
+def stretch_model(robot: RobotModel, scale: tuple[float, float, float]) -> RobotModel:
+    """The closed thing stretched along the root's axes: meshes, joint origins, sliding directions and ranges, and
+    masses and inertias at constant density. Angles of hinges stay."""
+    stretch = np.diag(np.asarray(scale, dtype=float))
+    frames = link_frames(robot)
+    local = {name: frame[:3, :3].T @ stretch @ frame[:3, :3] for name, frame in frames.items()}
+    links = {name: _stretched_link(link, local[name]) for name, link in robot.links.items()}
+    joints = []
+    for joint in robot.joints:
+        # the child's closed frame keeps its rotation and its origin is stretched; take the closed motion off again
+        parent_from_child = joint.origin @ joint.motion(joint.lower)
+        parent_from_child[:3, 3] = local[joint.parent] @ parent_from_child[:3, 3]
+        if joint.type == "prismatic":
+            slide = local[joint.child] @ joint.axis
+            ratio = float(np.linalg.norm(slide))
+            joint = replace(joint, axis=slide / ratio, lower=joint.lower * ratio, upper=joint.upper * ratio)
+        origin = parent_from_child @ np.linalg.inv(joint.motion(joint.lower))
+        joints.append(replace(joint, origin=origin))
+    return replace(robot, links=links, joints=joints)
+
+
+def _stretched_link(link: Link, A: Matrix) -> Link:
+    """A link under a linear map of its frame; inertia through the second moments of mass."""
+    volume = abs(float(np.linalg.det(A)))
+    moments = 0.5 * np.trace(link.inertia) * np.eye(3) - link.inertia
+    moments = volume * A @ moments @ A.T
+    inertia = np.trace(moments) * np.eye(3) - moments
+    return replace(link.map_linearly(make_transform(A, np.zeros(3))), mass=link.mass * volume, inertia=inertia)
+
 
 SAME_SIZE = 5e-4  # metres: a size this near to the native one is left alone
 

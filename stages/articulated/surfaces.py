@@ -11,7 +11,7 @@ from PIL import Image
 from roomkin.stages.articulated.mesh_reader import has_texture
 from roomkin.stages.articulated.mesh_writer import split_sharp_edges
 from roomkin.stages.articulated.model import RGBA, Link, Visual
-from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.contracts.generated import GAMMA
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ import numpy as np
 import trimesh
 from trimesh import Trimesh
 
-from roomkin.stages.articulated.inside import OutsideError, explain_missing, find_inside
 from roomkin.stages.articulated.mesh_reader import convex_pieces, find_reader, has_texture, load_meshes
+from roomkin.stages.articulated.mesh_resolver import OutsideError, explain_missing, find_inside
 from roomkin.stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, transform_mesh
 from roomkin.stages.articulated.urdf_tree import UrdfTree
 from roomkin.stages.contracts.errors import InputError

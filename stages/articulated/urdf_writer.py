@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
 from roomkin.stages.articulated.mesh_writer import (
-    Surface,
+    TriangleSurface,
     is_box,
     split_sharp_edges,
     write_glb,
@@ -102,7 +102,7 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
             ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=numbers(np.maximum(piece.extents, 1e-5)))
         else:
             file = f"meshes/{stem}_hull_{number}.obj"
-            write_obj(folder / file, [Surface(piece.vertices, piece.faces)])
+            write_obj(folder / file, [TriangleSurface(piece.vertices, piece.faces)])
             _add_mesh(collision, file)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_json, write_json
 from roomkin.stages.contracts.library import Library
-from roomkin.stages.contracts.library_parts import holds
+from roomkin.stages.contracts.library_folder import holds
 
 
 def run(*, library: Path, shard: str, out: Path) -> None:

@@ -12,14 +12,14 @@ from roomkin.stages.config import experiment_contradictions as experiment
 from roomkin.stages.config import other_pictures
 from roomkin.stages.config.categories import CATEGORIES
 from roomkin.stages.config.evaluation import USUAL
-from roomkin.stages.config.hand_files import hand_file
 from roomkin.stages.config.inputs import NAME, is_scene, suggest_scene
 from roomkin.stages.config.mistakes import Mistake
+from roomkin.stages.config.other_pictures import hand_file
 from roomkin.stages.config.packages import packages_on
 from roomkin.stages.config.weights import DINOV2, FOLDER, list_lacking
-from roomkin.stages.contracts.corrections import CORRECTIONS, read_corrections
 from roomkin.stages.contracts.errors import InputError, suggest_nearest
-from roomkin.stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
+from roomkin.stages.contracts.hand import CORRECTIONS, read_corrections
+from roomkin.stages.contracts.policy_config import SIMULATION_FREQUENCY, TaskConfig
 
 if TYPE_CHECKING:
     from roomkin.stages.config.model import Config

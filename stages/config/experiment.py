@@ -8,8 +8,8 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from roomkin.stages.config.pictures import Picture, as_written
 from roomkin.stages.config.targets import Cell, Policy, PolicyPlan, Target, TrainingSet
+from roomkin.stages.contracts.policy_config import DRAWN, RANDOMISED, RULES, drawn_role, read_set
 from roomkin.stages.contracts.section import Rank, Section, Seed
-from roomkin.stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, drawn_role, read_set
 
 
 class Perturbation(Section):

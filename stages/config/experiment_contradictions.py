@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from roomkin.stages.config.inputs import list_objects
 from roomkin.stages.config.mistakes import Mistake
-from roomkin.stages.config.policy_kinds import list_traits
+from roomkin.stages.config.training import list_traits
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.training_sets import DRAW, DRAWN, read_set
+from roomkin.stages.contracts.policy_config import DRAW, DRAWN, read_set
 from roomkin.stages.plugins import find, shorten_name
 
 if TYPE_CHECKING:

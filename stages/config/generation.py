@@ -5,7 +5,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from roomkin.stages.contracts.section import Section
-from roomkin.stages.geometry.estimate import TRIM
+from roomkin.stages.geometry.robust import TRIM
 
 
 class GenerationConfig(Section):

@@ -8,28 +8,25 @@ from typing import Any, Literal
 from pydantic import Field, ValidationError, field_validator
 
 from roomkin.stages.config.assets import AssetsConfig
-from roomkin.stages.config.containers import ContainersConfig
 from roomkin.stages.config.contradictions import contradictions
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.config.evaluation import EvaluationConfig
 from roomkin.stages.config.experiment import ExperimentConfig
-from roomkin.stages.config.extraction import ExtractionConfig
-from roomkin.stages.config.files import read_file
+from roomkin.stages.config.files import ContainersConfig, read_file
 from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.config.matching import MatchingConfig, MatchingSection, matching_model
 from roomkin.stages.config.mistakes import Mistake, mistakes_of, tell_package, truths, validate_config, without_removed
-from roomkin.stages.config.names import resolve_names
+from roomkin.stages.config.names import Replaced, resolve_names
 from roomkin.stages.config.packages import Objects, Package, find_packages, packages_on, with_sections
 from roomkin.stages.config.perception import PerceptionSection
 from roomkin.stages.config.pictures import mark_measured, of_picture, read_sources
-from roomkin.stages.config.replaced import Replaced
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.config.targets import Target
-from roomkin.stages.config.training import TrainingSection
-from roomkin.stages.config.unfetched import leave_out, list_unfetched
+from roomkin.stages.config.training import DemonstrationsConfig, TrainingSection
+from roomkin.stages.config.weights import leave_out, list_unfetched
 from roomkin.stages.contracts.errors import InputError, suggest_nearest
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.contracts.section import Section, Seed
-from roomkin.stages.contracts.task_options import TaskConfig
 from roomkin.stages.plugins import find, folder
 from roomkin.stages.plugins import load as load_plugin
 

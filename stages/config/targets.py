@@ -6,8 +6,8 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import AfterValidator, Field
 
 from roomkin.stages.contracts.errors import suggest_nearest
+from roomkin.stages.contracts.policy_config import RANDOMISED, RULES, SET_NAME, is_set
 from roomkin.stages.contracts.section import Section, Seed, unfit
-from roomkin.stages.contracts.training_sets import RANDOMISED, RULES, SET_NAME, is_set
 
 
 def _check_set(name: str) -> str:

@@ -10,8 +10,8 @@ as the user's own command does not.
 import sys
 from pathlib import Path
 
-from roomkin.stages.contracts.checksums import forget, record
 from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import forget, record
 from roomkin.stages.contracts.kinds import KINDS
 from roomkin.stages.contracts.system import line_of
 

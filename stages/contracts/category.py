@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
+from roomkin.stages.contracts.errors import describe_size
 from roomkin.stages.contracts.files import Contract
 from roomkin.stages.contracts.types import Id, Panels, Size, Text
-from roomkin.stages.contracts.words import describe_size
 
 Array = NDArray[np.float64]
 Place = Literal["floor", "top", "wall"]

@@ -5,10 +5,9 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.doubt import Doubt, Provenance
 from roomkin.stages.contracts.files import Contract, Document
 from roomkin.stages.contracts.objects import check_status
-from roomkin.stages.contracts.provenance import Provenance
 from roomkin.stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, SceneName, Text, check_unique
 
 NO_MODEL = "no language model"  # in the name of a judge that stands in for one

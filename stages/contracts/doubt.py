@@ -1,4 +1,9 @@
-"""Doubts about an object of a scene that a person can mend. All else that is odd is a note."""
+"""What a result says of itself: where it comes from, and what a person should look at.
+
+The provenance of a file: digests of code, options and inputs.
+
+Doubts about an object of a scene that a person can mend. All else that is odd is a note.
+"""
 
 import re
 from enum import Enum, unique
@@ -8,7 +13,21 @@ from typing import Any, Literal
 from pydantic import ConfigDict, Field
 
 from roomkin.stages.contracts.files import Contract
-from roomkin.stages.contracts.types import Fraction, Text
+from roomkin.stages.contracts.types import Fraction, Seed, Text
+
+
+class Provenance(Contract):
+    """The same of all four give the same bytes. Digests are the first 12 hex digits of SHA-256.
+
+    Files that were made together with an input go by it: masks beside objects.json, features of patches beside those
+    of whole views.
+    """
+
+    seed: Seed | None = Field(None, description="of the random numbers behind it, its own or its inputs'; null: none")
+    options: Text = Field(description="digest of the command's options")
+    inputs: Text = Field(description="digest of the files that the command was given")
+    code: Text = Field(description="digest of the command's code and of all that it imports")
+
 
 Cause = Literal["affordance", "camera", "place", "size", "name", "mounting"]
 BRING = "choose another model on the correction page, or bring one (docs/your-models.md)"

@@ -1,18 +1,58 @@
-"""Contract of a feature store: the rows, and the JSON index beside them."""
+"""The arrays beside a library: snapshots of its models, and the features of an encoder.
+
+A shard of snapshots: pictures in HDF5 with a JSON sidecar.
+
+Contract of a feature store: the rows, and the JSON index beside them.
+"""
 
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from roomkin.stages.contracts.arrays import check_array, check_within, explain_unreadable, read_npz
+from roomkin.stages.contracts.arrays import check_array, check_within, dataset, explain_unreadable, read_npz
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import Document, read_json
+from roomkin.stages.contracts.library import SnapshotShard
 from roomkin.stages.contracts.types import Angle, Count, Id, Text, check_unique
 
-AGAIN = "run `roomkin matching features` again with the present options"
+MAKE_SNAPSHOTS = "run `roomkin assets snapshots` again"
+
+
+def open_snapshots(path: Path) -> tuple[SnapshotShard, h5py.File]:
+    """The sidecar of a shard (`path` with .h5 or .json) and its file, open for reading; the pictures are not read yet.
+
+    Raises:
+        InputError: one is missing or broken, or arrays are not as the sidecar says.
+    """
+    sidecar = read_json(SnapshotShard, path.with_suffix(".json"), MAKE_SNAPSHOTS)
+    path = path.with_suffix(".h5")
+    with explain_unreadable(path, "snapshot file", MAKE_SNAPSHOTS):
+        file = h5py.File(path, "r")
+    shape = (len(sidecar.assets), len(sidecar.yaws) + 1, sidecar.image_size, sidecar.image_size)
+    check_array(path, "rgb", dataset(path, file, "rgb", MAKE_SNAPSHOTS), (*shape, 3), "u", MAKE_SNAPSHOTS)
+    check_array(path, "depth", dataset(path, file, "depth", MAKE_SNAPSHOTS), shape, "u", MAKE_SNAPSHOTS)
+    return sidecar, file
+
+
+def check_snapshots(path: Path) -> None:
+    """Sidecar and arrays; every asset is seen in its representative view."""
+    sidecar, file = open_snapshots(path)
+    with file, explain_unreadable(path.with_suffix(".h5"), "snapshot file", MAKE_SNAPSHOTS):
+        for number, asset in enumerate(sidecar.assets):
+            if not np.any(file["depth"][number, -1]):
+                raise InputError(
+                    path.with_suffix(".h5"),
+                    f"depth: '{asset}' is not in its picture.",
+                    MAKE_SNAPSHOTS,
+                    code="E-CONTRACT-BROKEN",
+                )
+
+
+MAKE_FEATURES = "run `roomkin matching features` again with the present options"
 LARGEST = float(np.finfo(np.float16).max)
 
 
@@ -49,11 +89,11 @@ def open_features(path: Path) -> tuple[FeatureIndex, NDArray[Any]]:
     Raises:
         InputError: one is missing or broken, or there are not as many rows as the index says.
     """
-    index = read_json(FeatureIndex, path.with_suffix(".json"), AGAIN)
+    index = read_json(FeatureIndex, path.with_suffix(".json"), MAKE_FEATURES)
     path = path.with_suffix(".npy")
-    with explain_unreadable(path, "npy file", AGAIN):
+    with explain_unreadable(path, "npy file", MAKE_FEATURES):
         rows = np.load(path, mmap_mode="r", allow_pickle=False)
-        check_array(path, "rows", rows, (index.starts[-1], "D"), "fi", AGAIN)
+        check_array(path, "rows", rows, (index.starts[-1], "D"), "fi", MAKE_FEATURES)
     return index, rows
 
 
@@ -64,18 +104,18 @@ def open_companion(path: Path, index: FeatureIndex, rows: NDArray[Any]) -> dict[
         InputError: it is missing or broken, or arrays do not fit each other.
     """
     path = path.with_suffix(".npz")
-    parts = read_npz(path, AGAIN)
+    parts = read_npz(path, MAKE_FEATURES)
     if (rows.dtype.kind == "i") != ("components" in parts):
-        raise InputError(path, "is not the codec of these rows.", AGAIN, code="E-FEATURES-BROKEN")
+        raise InputError(path, "is not the codec of these rows.", MAKE_FEATURES, code="E-FEATURES-BROKEN")
     shapes: dict[str, tuple[int | str, ...]] = {"wholes": (len(index.starts) - 1, "W")}
     if "components" in parts:
-        check_array(path, "components", parts["components"], (rows.shape[1], "D"), "f", AGAIN)
+        check_array(path, "components", parts["components"], (rows.shape[1], "D"), "f", MAKE_FEATURES)
         codes, columns = parts["components"].shape
         shapes |= {"mean": (columns,), "steps": (codes,)}
     for name, shape in shapes.items():
         if name not in parts:
-            raise InputError(path, f"has no array '{name}'.", AGAIN, code="E-FEATURES-BROKEN")
-        check_array(path, name, parts[name], shape, "f", AGAIN)
+            raise InputError(path, f"has no array '{name}'.", MAKE_FEATURES, code="E-FEATURES-BROKEN")
+        check_array(path, name, parts[name], shape, "f", MAKE_FEATURES)
     return parts
 
 
@@ -83,5 +123,5 @@ def check_features(path: Path) -> None:
     """Index, rows and what goes with them; every number is finite; codes come with their codec."""
     index, rows = open_features(path)
     for name, part in open_companion(path, index, rows).items():
-        check_within(path.with_suffix(".npz"), name, part, -LARGEST, LARGEST, AGAIN)
-    check_within(path.with_suffix(".npy"), "rows", rows, -LARGEST, LARGEST, AGAIN)
+        check_within(path.with_suffix(".npz"), name, part, -LARGEST, LARGEST, MAKE_FEATURES)
+    check_within(path.with_suffix(".npy"), "rows", rows, -LARGEST, LARGEST, MAKE_FEATURES)

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from roomkin.stages.contracts.corrections import Corrections
 from roomkin.stages.contracts.cousins import Cousins, Distances
 from roomkin.stages.contracts.files import read_json, read_rows
 from roomkin.stages.contracts.generated import GeneratedScene
+from roomkin.stages.contracts.hand import Corrections
 from roomkin.stages.contracts.library import Library
-from roomkin.stages.contracts.library_parts import SceneShards
+from roomkin.stages.contracts.library_folder import SceneShards
 from roomkin.stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
 from roomkin.stages.contracts.scenes import Truth
 from roomkin.stages.contracts.things import Things
@@ -46,7 +46,7 @@ KINDS: dict[str, FileKind] = {
     "shards": FileKind(_json(SceneShards)),
     "library_part": FileKind(_with_companions("library_folder:check_models"), ("{stem}.zip",)),
     "asset": FileKind(_with_companions("library_folder:check_asset")),
-    "snapshots": FileKind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),
+    "snapshots": FileKind(_with_companions("features:check_snapshots"), ("{stem}.json", "{stem}.h5")),
     "features": FileKind(_with_companions("features:check_features"), ("{stem}.json", "{stem}.npy", "{stem}.npz")),
     "camera": FileKind(_with_companions("scene_input:check_camera"), ("rgb.png", "depth.npz")),
     "annotations": FileKind(_with_companions("scene_input:read_annotations"), ("masks.png",)),
@@ -58,12 +58,12 @@ KINDS: dict[str, FileKind] = {
     "distances": FileKind(_json(Distances)),
     "generated": FileKind(_json(GeneratedScene)),
     "task": FileKind(_json(TaskAssets)),
-    "attempts": FileKind(_with_companions("ledgers:read_attempts")),
+    "attempts": FileKind(_with_companions("episode_store:read_attempts")),
     "episodes": FileKind(_with_companions("episode_store:check_episodes")),
     "policy": FileKind(
-        _with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors", "checkpoints.zip")
+        _with_companions("trained:check_policy"), ("policy.safetensors", "last.safetensors", "checkpoints.zip")
     ),
-    "metrics": FileKind(_with_companions("ledgers:read_metrics")),
+    "metrics": FileKind(_with_companions("episode_store:read_metrics")),
     "chosen": FileKind(_json(ChosenRuns)),
     "rollouts": FileKind(lambda path: read_rows(Rollout, path)),
     "scores": FileKind(lambda path: read_rows(SceneScore, path)),

@@ -6,8 +6,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from roomkin.stages.contracts.category import Category
 from roomkin.stages.contracts.files import Contract, Document
-from roomkin.stages.contracts.fronts import Panel
-from roomkin.stages.contracts.parts import FRONTS, PARTS, FrontType, HingeSide, PartType
+from roomkin.stages.contracts.parts import FRONTS, PARTS, FrontType, HingeSide, Panel, PartType
 from roomkin.stages.contracts.types import (
     LARGEST,
     Angle,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import ValidationError
 
-from roomkin.stages.contracts.corrections import Correction, Corrections, Shown, Unmatched
+from roomkin.stages.contracts.hand import Correction, Corrections, Shown, Unmatched
 from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.contracts.types import Pixel
 from roomkin.stages.geometry.masks import Mask, outline_mask, outline_pieces, polygons

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from pydantic import Field, model_validator
 
-from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.doubt import Doubt, Provenance
 from roomkin.stages.contracts.files import Contract, Document
-from roomkin.stages.contracts.fronts import Panel, check_counts
-from roomkin.stages.contracts.provenance import Provenance
+from roomkin.stages.contracts.parts import Panel, check_counts
 from roomkin.stages.contracts.things import Name
 from roomkin.stages.contracts.types import (
     RIGID_TOLERANCE,

@@ -10,7 +10,7 @@ from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import Contract, Document
 from roomkin.stages.contracts.library import HandleKind
 from roomkin.stages.contracts.parts import HingeSide
-from roomkin.stages.contracts.training_sets import DRAWN, drawn_role, strip_randomised
+from roomkin.stages.contracts.policy_config import DRAWN, drawn_role, strip_randomised
 from roomkin.stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
 
 

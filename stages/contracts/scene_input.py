@@ -8,13 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.depth import read_depth
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_json, write_atomically, write_json
-from roomkin.stages.contracts.images import check_shown, check_size, orientation_of, read_masks, read_rgb
+from roomkin.stages.contracts.images import check_shown, check_size, orientation_of, read_depth, read_masks, read_rgb
 from roomkin.stages.contracts.scenes import Annotations, Camera
 from roomkin.stages.contracts.things import read_things
-from roomkin.stages.geometry.ray_depth import find_flatter
+from roomkin.stages.geometry.depth_forms import find_flatter
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from pydantic import Field, model_validator
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import Contract, Document, read_json
-from roomkin.stages.contracts.fronts import Panel, check_counts
 from roomkin.stages.contracts.library import Symmetry
 from roomkin.stages.contracts.objects import Box, Objects
+from roomkin.stages.contracts.parts import Panel, check_counts
 from roomkin.stages.contracts.things import Name
 from roomkin.stages.contracts.types import (
     Angle,

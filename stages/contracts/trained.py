@@ -1,10 +1,23 @@
-"""Contract of the `training` stage: `config.json` beside the weights of a policy."""
+"""What `training` leaves: `config.json` beside the weights of a policy, read as a folder.
 
+Contract of the `training` stage: `config.json` beside the weights of a policy.
+
+The folder of a policy: config.json with the weights beside it. Needs no torch.
+"""
+
+import math
+from functools import partial
+from pathlib import Path
+
+import numpy as np
 from pydantic import Field, RootModel, model_validator
+from safetensors import safe_open
 
-from roomkin.stages.contracts.files import Contract, Document
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.archives import unpack
+from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import Contract, Document, read_json
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
 
 LATE = 0.25  # of the steps; healthy trainings took at most 0.16 (of 83)
@@ -66,3 +79,62 @@ class MetricsLine(RootModel[dict[Text, Finite | None]]):
         if self.root.get("step") is None:
             raise ValueError("step: Field required")
         return self
+
+
+AGAIN = "train the policy first"
+NORMALISER = {"proprio_mean": (9,), "proprio_std": (9,), "cloud_mean": (3,), "cloud_std": ()}
+NUMPY = {"F64", "F32", "F16", "I64", "I32", "I16", "I8", "U8", "BOOL"}
+PAPERS = "bc_rnn_gmm"
+CHECKPOINTS = "checkpoints.zip"
+Shapes = dict[str, tuple[int, ...]]
+wrong_weights = partial(InputError, fix=AGAIN, code="E-POLICY-WEIGHTS")
+
+
+def weights_of(folder: Path, name: str) -> Path:
+    """The file of weights that config.json calls `name`: beside it, or checkpoints/<file> of checkpoints.zip."""
+    inside = name.removeprefix("checkpoints/")
+    return folder / name if inside == name else unpack(folder / CHECKPOINTS, AGAIN, inside) / inside
+
+
+def read_config(folder: Path) -> TrainedPolicy:
+    """The `config.json` of a training folder."""
+    return read_json(TrainedPolicy, folder / "config.json", AGAIN)
+
+
+def check_weights(path: Path, trained: TrainedPolicy) -> Shapes:
+    """Shapes by name of one file of weights; all finite, with the normaliser, and as many as config.json says.
+
+    Raises:
+        InputError: it is missing, broken, or another network's.
+    """
+    shapes: Shapes = {}
+    with explain_unreadable(path, "safetensors file", AGAIN), safe_open(path, framework="np") as file:
+        for name in file.keys():  # noqa: SIM118 - no mapping
+            part = file.get_slice(name)
+            shapes[name] = tuple(part.get_shape())
+            if part.get_dtype() not in NUMPY:
+                continue  # bfloat16 and smaller: numpy has no such numbers
+            array = file.get_tensor(name)
+            if not np.isfinite(array).all():
+                raise wrong_weights(path, f"{name}: holds NaN or infinity.")
+            if name in NORMALISER and name.endswith("_std") and array.min() <= 0:
+                raise wrong_weights(path, f"{name}: is not positive.")
+    if trained.config.policy != PAPERS:
+        return shapes  # which numbers another policy keeps is for it to know
+    for name, shape in NORMALISER.items():
+        if shapes.get(name) != shape:
+            raise wrong_weights(path, f"{name}: has shape {shapes.get(name)}, not {shape}.")
+    count = sum(math.prod(shape) for name, shape in shapes.items() if name not in NORMALISER)
+    if count != trained.parameters:
+        raise wrong_weights(path, f"holds {count} numbers, config.json says parameters: {trained.parameters}.")
+    return shapes
+
+
+def check_policy(path: Path) -> None:
+    """config.json (or its folder) and all weights that it names."""
+    folder = path if path.is_dir() else path.parent
+    trained = read_config(folder)
+    shapes = check_weights(folder / "policy.safetensors", trained)
+    for name in ("last.safetensors", *trained.checkpoints):
+        if check_weights(weights_of(folder, name), trained) != shapes:
+            raise wrong_weights(folder / name, "has other weights than policy.safetensors.")

@@ -10,14 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from roomkin.stages.cli import pacer
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import InputError, TaskAssets, read_json, read_options, write_text
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.policies import Attempt, TaskAsset
-from roomkin.stages.contracts.task_options import TaskConfig
-from roomkin.stages.contracts.training_sets import is_randomised
-from roomkin.stages.demonstrations.attempt import Recorder
-from roomkin.stages.demonstrations.store import RecordedEpisode, write_episodes
+from roomkin.stages.contracts.policy_config import TaskConfig, is_randomised
+from roomkin.stages.demonstrations.attempt import RecordedEpisode, Recorder, write_episodes
 from roomkin.stages.tasks.api import EnvWrapper
 
 TRIES = 3  # attempts on an asset before it is the next one's turn; chosen

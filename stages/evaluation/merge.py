@@ -5,7 +5,7 @@ from pathlib import Path
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_rows
 from roomkin.stages.contracts.policies import Rollout
-from roomkin.stages.evaluation.rows import write_rows
+from roomkin.stages.evaluation.states import write_rows
 
 
 def run(*, rollouts: tuple[Path, ...], out: Path) -> None:

@@ -10,10 +10,8 @@ from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_options, read_rows
 from roomkin.stages.contracts.policies import Rollout
 from roomkin.stages.evaluation.choose import best_checkpoint
-from roomkin.stages.evaluation.episodes import RolloutEpisode
-from roomkin.stages.evaluation.rows import write_rows
-from roomkin.stages.evaluation.states import starts_of
-from roomkin.stages.evaluation.vector_env import Acting, PolicyVectorEnv
+from roomkin.stages.evaluation.states import starts_of, write_rows
+from roomkin.stages.evaluation.vector_env import Acting, PolicyVectorEnv, RolloutEpisode
 
 
 def run(

@@ -8,8 +8,7 @@ from roomkin.stages.config.evaluation import SelectionOptions
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.contracts.policies import Rollout
-from roomkin.stages.evaluation.rows import write_rows
-from roomkin.stages.evaluation.states import initial_states
+from roomkin.stages.evaluation.states import initial_states, write_rows
 from roomkin.stages.evaluation.vector_env import Acting, PolicyVectorEnv
 
 

@@ -1,5 +1,9 @@
-"""The episodes of an evaluation: pairs of an asset and the seed of an initial state."""
+"""The episodes of an evaluation: pairs of an asset and the seed of an initial state.
 
+Rows of `evaluation` on disk.
+"""
+
+import csv
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,7 +12,17 @@ from typing import Literal, get_args
 import numpy as np
 
 from roomkin.stages.config.evaluation import SkillOptions
-from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
+from roomkin.stages.contracts.files import write_atomically
+from roomkin.stages.contracts.policies import Rollout, TaskAsset, TaskAssets
+
+
+def write_rows(path: Path, rows: Sequence[Rollout]) -> None:
+    """Write rows as a CSV table."""
+    with write_atomically(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, Rollout.model_fields, lineterminator="\n")
+        table.writeheader()
+        table.writerows(row.model_dump() for row in rows)
+
 
 Purpose = Literal["roles", "test", "validation", "selection"]
 Start = tuple[TaskAsset, int]

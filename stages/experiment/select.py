@@ -8,9 +8,8 @@ from roomkin.stages.contracts.cousins import Distances, ObjectCousins
 from roomkin.stages.contracts.library import Vector
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.scenes import find_true_model
-from roomkin.stages.experiment.cousins import name_roles
+from roomkin.stages.experiment.cousins import name_roles, usable_assets
 from roomkin.stages.experiment.splits import with_lists
-from roomkin.stages.experiment.usable import usable_assets
 from roomkin.stages.plugins import load
 from roomkin.stages.tasks.task import Task
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar, get_args
 import numpy as np
 
 from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
-from roomkin.stages.contracts.training_sets import DRAW
+from roomkin.stages.contracts.policy_config import DRAW
 
 T = TypeVar("T")
 Handle = tuple[str, float, float]  # kind, length in metres, height on the front

@@ -6,8 +6,8 @@ import numpy as np
 
 from roomkin.stages.contracts.categories import sizes_of
 from roomkin.stages.contracts.category import USUAL_SPREAD
-from roomkin.stages.contracts.depth import DEPTH_UNITS
 from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.images import DEPTH_UNITS
 from roomkin.stages.contracts.objects import SceneObject
 
 LOWEST, HIGHEST = DoubtKind.CAMERA_HEIGHT.bounds

@@ -6,9 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.corrections import MEASURED, Correction
-from roomkin.stages.contracts.fronts import count_fronts
-from roomkin.stages.contracts.parts import says_opening
+from roomkin.stages.contracts.hand import MEASURED, Correction
+from roomkin.stages.contracts.parts import count_fronts, says_opening
 from roomkin.stages.contracts.scenes import Annotation, Annotations, Held
 from roomkin.stages.contracts.types import FLOOR, WALL, Pixel
 from roomkin.stages.geometry.masks import pixel_bounds, polygons
@@ -97,14 +96,14 @@ def clip_box(box: tuple[Pixel, Pixel], width: int, height: int) -> tuple[int, in
     return x0, y0, max(x1, x0 + 1), max(y1, y0 + 1)
 
 
-class Painted(NamedTuple):
+class CorrectedMasks(NamedTuple):
     """Corrected masks (H, W); `swallowed`: what a later outline mostly covers, with share and value of that outline."""
 
     masks: NDArray[np.uint16]
     swallowed: dict[int, tuple[float, int]]
 
 
-def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> Painted:
+def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> CorrectedMasks:
     """Paint the masks: objects over floor and walls, then by layer; else drawn over found ones, later over earlier."""
     masks = np.zeros_like(found)
     height, width = masks.shape
@@ -123,10 +122,10 @@ def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: C
         masks[shown] = item.mask
         if item.label not in ROOM:  # what stands before floor and walls takes nothing from them
             pixels[item.mask] = int(shown.sum())
-    return Painted(masks, swallowed)
+    return CorrectedMasks(masks, swallowed)
 
 
-def list_losses(things: dict[int, Correction], painted: Painted) -> dict[int, str]:
+def list_losses(things: dict[int, Correction], painted: CorrectedMasks) -> dict[int, str]:
     """Things that lost pixels, by mask value: all their pixels, or most of them to a later outline."""
     shown = set(np.unique(painted.masks).tolist())
     losses = {mask: "no pixel shows it, left out" for mask in things if mask not in shown}

@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError, Objects
-from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.matched import Matched
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
 from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.contracts.types import FLOOR
 from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks
 from roomkin.stages.extraction.mounting import MAX_STRETCH
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.reconstruct import ExtractedScene
 from roomkin.stages.geometry.boxes import UprightBox, with_bottom
 from roomkin.stages.geometry.frames import round_vector, yaw_matrix

@@ -1,6 +1,9 @@
-"""Estimate the error of depth from the planes in the picture: floor and walls are flat, their measured depth is not."""
+"""Estimate the error of depth from the planes in the picture: floor and walls are flat, their measured depth is not.
 
-from collections.abc import Mapping, Sequence
+Remove depth of reflections: a mirror or a window shows things that seem to lie behind its wall.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,17 +12,61 @@ from scipy.optimize import nnls
 from scipy.stats import norm
 
 from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Wall
+from roomkin.stages.extraction.contact import CONTACT_DISTANCE
 from roomkin.stages.extraction.floor import ROUGH
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.geometry.cameras import PointMap
 from roomkin.stages.geometry.masks import erode
+from roomkin.stages.geometry.robust import REACH
 from roomkin.stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD
+
+IN_ROOM = 0.2  # share of a thing's points before a wall's plane, from which on it is in this room; chosen
+NICHE = 0.3  # metres: no niche in a wall is deeper; chosen
+
+
+def remove_reflections(
+    depth: NDArray[np.float32],
+    seen: PointMap,
+    things: Iterable[tuple[NDArray[np.bool_], Sequence[Wall]]],
+    walls: Sequence[Wall],
+    error: DepthError,
+) -> NDArray[np.float32]:
+    """Depth (H, W), set to unknown (0) where an object of this room shows points behind a wall.
+
+    Of what hangs on that wall, even little behind it: sensors smear depth between a mirror's frame and what it shows.
+    What is seen wholly behind a wall is in another room; but if it hangs, it is on that wall.
+
+    Args:
+        seen: what is used of the picture, floor frame.
+        things: their pixels (H, W), and the walls at which they may hang.
+    """
+    clean = depth.copy()
+    for mask, hung in things:
+        known = mask & seen.known
+        if not known.any():
+            continue
+        far = depth[known].astype(np.float64)
+        noise, nearest = REACH * error.predict(far), np.full(len(far), np.inf)
+        for wall in walls:
+            before = seen.of(known) @ np.array(wall.normal) - wall.offset
+            in_room = before[before >= -NICHE - noise]
+            on_wall = len(in_room) > 0 and abs(np.median(in_room)) < CONTACT_DISTANCE + np.median(noise)
+            behind = before < -noise - (0.0 if on_wall else NICHE)
+            if IN_ROOM <= (~behind).mean() < 1:
+                clean[known] = np.where(behind, 0, clean[known])
+            height = float(seen.frame[:3, 3] @ np.array(wall.normal)) - wall.offset  # of the camera, before the wall
+            if wall in hung and (~behind).mean() < IN_ROOM and height > 0:
+                nearest = np.minimum(nearest, far * height / (height - np.minimum(before, 0)))
+        if np.isfinite(nearest).all():
+            clean[known] = nearest
+    return clean
+
 
 PARTS = 8  # of a plane, by distance; chosen
 MIN_POINTS = 100  # points of a part: their median deviation errs by 12 %
 
 
-class Surface(NamedTuple):
+class PlanarPatch(NamedTuple):
     """Points (N, 3) of one plane, floor frame, and that plane: normal . p = offset."""
 
     points: NDArray[np.floating]
@@ -44,12 +91,14 @@ def estimate_depth_error(image: AnnotatedImage, seen: PointMap, walls: Mapping[i
         floor = (np.abs(seen.points[..., 2]) < PLANE_THRESHOLD) & ~np.isin(image.masks, image.annotations.values)
     shown = [(floor, [0.0, 0.0, 1.0], 0.0)]
     shown += [(image.masks == value, list(wall.normal), wall.offset) for value, wall in walls.items()]
-    surfaces = [Surface(seen.of(erode(mask & seen.known, keep=0)), np.array(n), offset) for mask, n, offset in shown]
+    surfaces = [
+        PlanarPatch(seen.of(erode(mask & seen.known, keep=0)), np.array(n), offset) for mask, n, offset in shown
+    ]
     eye = seen.frame[:3, 3]
     return measure_error(surfaces[:1], eye) or measure_error(surfaces[1:], eye) or USUAL_ERROR
 
 
-def measure_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:
+def measure_error(surfaces: Sequence[PlanarPatch], eye: NDArray[np.float64]) -> DepthError | None:
     """The error of the depth of surfaces seen from `eye` (3,); None if they are too small or no planes.
 
     Each is cut into parts by distance; a and b are the least squares, not negative, over the deviations of the parts.

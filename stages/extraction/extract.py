@@ -9,13 +9,12 @@ import numpy as np
 import yaml
 from pydantic import ValidationError
 
-from roomkin.stages.config.extraction import ExtractionConfig
-from roomkin.stages.config.inputs import INPUT_FILES
-from roomkin.stages.config.provenance import record_provenance
+from roomkin.stages.config.code import record_provenance
+from roomkin.stages.config.inputs import INPUT_FILES, ExtractionConfig
 from roomkin.stages.contracts import InputError, read_options, write_atomically, write_json
-from roomkin.stages.contracts.corrections import read_corrections
-from roomkin.stages.contracts.files import first_error, read_text
-from roomkin.stages.contracts.hand import digest_of_picture
+from roomkin.stages.contracts.errors import first_error
+from roomkin.stages.contracts.files import read_text
+from roomkin.stages.contracts.hand import digest_of_picture, read_corrections
 from roomkin.stages.contracts.matched import match_corrections
 from roomkin.stages.extraction.camera_height import doubt_unit
 from roomkin.stages.extraction.corrections import reconstruct_corrected

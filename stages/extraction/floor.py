@@ -1,17 +1,33 @@
-"""The floor frame of a picture: given and compared with the floor that is seen, or fitted; and depth that is noise."""
+"""The floor frame of a picture, and the walls of its room (paper A.3).
+
+The frame is given and compared with the floor that is seen, or fitted; and depth that is noise.
+
+The walls of a room: fitted to their masks, and found where nobody named one; parts of one wall are merged (A.3).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.depth import check_turned
+from roomkin.stages.contracts.images import check_turned
+from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.extraction.camera_height import doubt_height
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.geometry.cameras import PointMap
 from roomkin.stages.geometry.frames import Array
-from roomkin.stages.geometry.gravity import find_up
 from roomkin.stages.geometry.levels import find_floor
-from roomkin.stages.geometry.room_planes import SAME_DIRECTION, Plane, fit_floor, make_floor_frame
+from roomkin.stages.geometry.masks import erode
+from roomkin.stages.geometry.room_planes import (
+    PLANE_THRESHOLD,
+    SAME_DIRECTION,
+    Plane,
+    find_up,
+    find_walls,
+    fit_floor,
+    fit_wall,
+    make_floor_frame,
+    merge_walls,
+)
 
 ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the median: no room is so rough; chosen
 MOST_OFF = 0.2  # share of the camera's height by which a given frame errs at most; chosen
@@ -108,3 +124,30 @@ def find_unnamed_floor(image: AnnotatedImage, seen: PointMap, up: Array | None, 
         what, fix = "shows no level surface that could be the floor.", "check depth (metres) and intrinsics"
         raise InputError("depth.npz", what, fix, code="E-FLOOR-MISSING")
     return floor
+
+
+def find_room_walls(
+    image: AnnotatedImage, seen: PointMap, rng: np.random.Generator
+) -> tuple[list[Wall], dict[int, Wall]]:
+    """The walls, and by the mask values that show them.
+
+    Args:
+        seen: what is used of the picture, floor frame.
+    """
+    planes, shown, camera_height = [], [], float(seen.frame[2, 3])
+    others = seen.known & ~np.isin(image.masks, [item.mask for item in image.annotations.objects])
+    others &= image.masks != image.annotations.floor
+    for value in image.annotations.walls:
+        mask = erode(seen.known & (image.masks == value))
+        plane = fit_wall(seen.of(mask), camera_height, rng)
+        if plane is not None:
+            planes.append(plane)
+            shown.append(value)
+            others &= ~(seen.points @ plane.normal - plane.offset < 3 * PLANE_THRESHOLD)
+    planes += find_walls(seen.of(seen.known), others[seen.known], camera_height, rng.spawn(1)[0])
+    merged, places = merge_walls(planes)
+    walls = [
+        Wall(id=f"wall_{k}", normal=(float(normal[0]), float(normal[1]), 0.0), offset=float(offset), points=count)
+        for k, (normal, offset, count) in enumerate(merged, start=1)
+    ]
+    return walls, {value: walls[place] for value, place in zip(shown, places, strict=False)}

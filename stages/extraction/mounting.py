@@ -19,8 +19,8 @@ from roomkin.stages.extraction.contact import (
     measure_shelf,
     resolve_stated_mounting,
 )
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.objects import MeasuredObject
-from roomkin.stages.extraction.observation import AnnotatedImage
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox, footprint, with_bottom, with_top
 from roomkin.stages.geometry.frames import round_vector
 

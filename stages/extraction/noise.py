@@ -4,13 +4,21 @@ In this order: near and far depth run into each other at outlines ("artifacts ne
 boundaries"); a smooth relative error grows towards the border ("and the image periphery"); range
 noise with sigma(z) = a + b z^2, correlated over a few pixels; one factor on the whole picture,
 because a single image does not fix its scale. Unknown pixels (0) stay unknown.
+
+The input of reconstruction: a picture with depth, masks and annotations.
 """
+
+from dataclasses import dataclass
+from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.config.extraction import DepthNoiseConfig
+from roomkin.stages.config.inputs import DepthNoiseConfig
+from roomkin.stages.contracts import Annotations
+from roomkin.stages.contracts.objects import DepthError
+from roomkin.stages.contracts.scene_input import read_scene_input
 
 # A.7 names the errors and gives no numbers: these are chosen.
 EDGE = 0.03  # relative jump of depth that makes an outline; chosen
@@ -57,3 +65,34 @@ def noisy_depth(depth: NDArray[np.float32], options: DepthNoiseConfig, rng: np.r
     sigma = options.range_constant + options.range_quadratic * z**2
     z = (z + sigma * smooth_field(depth.shape, CORRELATION, rng)) * scale
     return np.where(depth > 0, np.maximum(z, 1e-3), 0).astype(np.float32)
+
+
+EXACT = DepthError(0.0, 0.0)  # a renderer's depth
+
+
+@dataclass(frozen=True)
+class AnnotatedImage:
+    """One picture with all that is known of its pixels.
+
+    rgb (H, W, 3) uint8; depth (H, W) float32 metres along the optical axis, 0: unknown;
+    masks (H, W) uint16, values as named by `annotations`; intrinsics (3, 3) in pixels;
+    depth_error: of `depth`, None: it is measured at floor and walls; floor_from_camera (4, 4) where it is known.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    masks: NDArray[np.uint16]
+    intrinsics: NDArray[np.float64]
+    annotations: Annotations
+    depth_error: DepthError | None = None
+    floor_from_camera: NDArray[np.float64] | None = None
+
+
+def read_folder(folder: Path) -> AnnotatedImage:
+    """The files of an input folder, checked (`roomkin.stages.contracts.scene_input`)."""
+    given = read_scene_input(folder)
+    intrinsics = np.array(given.camera.intrinsics, dtype=float)
+    known = given.camera.floor_from_camera
+    frame = None if known is None else np.array(known, dtype=float)
+    error = EXACT if given.exact else None
+    return AnnotatedImage(given.rgb, given.depth, given.masks, intrinsics, given.annotations, error, frame)

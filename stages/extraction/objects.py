@@ -5,19 +5,24 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.category import Category, find_category
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.contracts.types import LARGEST
-from roomkin.stages.extraction.clouds import MAX_POINTS, ObjectError, make_object_cloud
+from roomkin.stages.extraction.clouds import (
+    MAX_POINTS,
+    UnusableObjectError,
+    find_carrying_heights,
+    find_level,
+    make_object_cloud,
+)
 from roomkin.stages.extraction.contact import DepthView
-from roomkin.stages.extraction.levels import find_carrying_heights, find_level
 from roomkin.stages.geometry.boxes import UprightBox, round_off_box, surface_points, with_top
+from roomkin.stages.geometry.clouds import minimum_box
 from roomkin.stages.geometry.frames import Array
 from roomkin.stages.geometry.masks import MIN_PIXELS, Mask, central_crop, pixel_bounds, remove_specks
-from roomkin.stages.geometry.minimum_box import minimum_box
 
 MAX_CUT = 0.4  # share of an object's pixels outside the crop (A.7), above which it fails; chosen
 
@@ -73,8 +78,8 @@ def measure_object(
             box, heights = fit_box(category, cloud, view.of(mask), view, options.trim)
         extent = float(np.max(box.size))
         if extent > LARGEST:
-            raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
-    except ObjectError as failure:
+            raise UnusableObjectError(f"{extent:.0f} m large: its depth cannot be right")
+    except UnusableObjectError as failure:
         return MeasuredObject(known, item).fail(str(failure))
     seen = {"pixels": bounds, "points": len(cloud), "depth_known": share}
     return MeasuredObject(known.model_copy(update=seen), item, mask, cloud, box, heights or (box.top,), category)
@@ -109,11 +114,11 @@ def find_object_mask(whole: Mask, crop_share: float, is_known: bool) -> Mask:
         ObjectError: it has none, or too few.
     """
     if not whole.any():
-        raise ObjectError("not in the picture: no pixel has its mask value")
+        raise UnusableObjectError("not in the picture: no pixel has its mask value")
     cropped = whole & central_crop(whole.shape, crop_share)
     inside = remove_specks(cropped)
     if not is_known and cropped.sum() < (1 - MAX_CUT) * whole.sum():
-        raise ObjectError("cut off: too much of it is outside the central crop")
+        raise UnusableObjectError("cut off: too much of it is outside the central crop")
     if inside.sum() < MIN_PIXELS:
-        raise ObjectError(f"too small or hidden: {int(inside.sum())} pixels")
+        raise UnusableObjectError(f"too small or hidden: {int(inside.sum())} pixels")
     return inside

@@ -7,21 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts import InputError, Objects
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.category import find_category
-from roomkin.stages.contracts.files import first_error
+from roomkin.stages.contracts.errors import first_error
 from roomkin.stages.contracts.objects import Wall, object_ids
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.extraction.contact import DepthView
-from roomkin.stages.extraction.depth_error import estimate_depth_error
-from roomkin.stages.extraction.floor import find_floor_frame
+from roomkin.stages.extraction.depth_error import NICHE, estimate_depth_error, remove_reflections
+from roomkin.stages.extraction.floor import find_floor_frame, find_room_walls
 from roomkin.stages.extraction.mounting import mount_objects
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.objects import measure_object
-from roomkin.stages.extraction.observation import AnnotatedImage
-from roomkin.stages.extraction.reflections import NICHE, remove_reflections
-from roomkin.stages.extraction.walls import find_room_walls
 from roomkin.stages.geometry.boxes import UprightBox, is_behind
 from roomkin.stages.geometry.cameras import PointMap
 from roomkin.stages.geometry.masks import central_crop

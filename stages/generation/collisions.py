@@ -1,4 +1,7 @@
-"""Push overlapping things apart in the x-y plane (paper A.3): by the shortest way, whole stacks at once, with a cap."""
+"""Push overlapping things apart in the x-y plane (paper A.3): by the shortest way, whole stacks at once, with a cap.
+
+At which height a thing comes to rest in another: a can in a bowl. The paper (A.3) only moves things sideways.
+"""
 
 from dataclasses import dataclass, field, replace
 from itertools import combinations, product
@@ -7,17 +10,49 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.optimize import linprog
 from shapely import LineString, MultiPoint, Point, Polygon, affinity
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts.objects import Wall
-from roomkin.stages.generation.nesting import find_landing
 from roomkin.stages.generation.placed import Placed, Prism
-from roomkin.stages.generation.stacking import find_stack
-from roomkin.stages.generation.surfaces import find_surface
+from roomkin.stages.generation.stacking import find_stack, find_surface
 from roomkin.stages.geometry.boxes import depth_behind, volume
+
+Piece = NDArray[np.float64]  # (n, 3): vertices of a convex piece
+
+
+def overlap_height(upper: Piece, lower: Piece) -> float | None:
+    """How far `lower` reaches above the underside of `upper`, at worst, metres; None: nowhere is one above the other.
+
+    The highest point of one hull above the lowest of the other at the same x and y: a linear programme in the weights
+    of the vertices of both.
+    """
+    if (upper[:, :2].min(0) > lower[:, :2].max(0)).any() or (lower[:, :2].min(0) > upper[:, :2].max(0)).any():
+        return None
+    n, m = len(upper), len(lower)
+    same_place = np.hstack([upper[:, :2].T, -lower[:, :2].T])
+    weights = np.vstack([np.repeat([1.0, 0.0], [n, m]), np.repeat([0.0, 1.0], [n, m])])
+    found = linprog(
+        np.concatenate([upper[:, 2], -lower[:, 2]]), A_eq=np.vstack([same_place, weights]), b_eq=[0.0, 0.0, 1.0, 1.0]
+    )
+    return -float(found.fun) if found.success else None
+
+
+def find_landing(upper: list[Piece], lower: list[Piece]) -> float | None:
+    """How far `upper` rises (metres; negative: sinks) to lie on or in `lower`, let down from above.
+
+    Args:
+        upper, lower: convex pieces of both, in one frame, z up.
+
+    Returns:
+        None if neither is above the other anywhere.
+    """
+    heights = [overlap_height(a, b) for a, b in product(upper, lower)]
+    return max((height for height in heights if height is not None), default=None)
+
 
 CLEAR = 1e-4  # metres that a push goes beyond the border, so that rounding does not leave the pair touching
 Pair = tuple[str, str]

@@ -3,15 +3,13 @@
 from pathlib import Path
 
 from roomkin.stages.cli import progress
+from roomkin.stages.config.code import record_provenance
 from roomkin.stages.config.generation import GenerationConfig
-from roomkin.stages.config.provenance import record_provenance
 from roomkin.stages.contracts import InputError, read_options, write_json
-from roomkin.stages.generation.choosing import choose_models
 from roomkin.stages.generation.collisions import resolve_collisions
-from roomkin.stages.generation.doubts import doubt_placements
 from roomkin.stages.generation.inputs import read_inputs
-from roomkin.stages.generation.placing import Places
-from roomkin.stages.generation.scene_file import summarise, to_contract
+from roomkin.stages.generation.placing import Places, choose_models
+from roomkin.stages.generation.scene_file import doubt_placements, summarise, to_contract
 from roomkin.stages.generation.settling import simulate
 from roomkin.stages.generation.stacking import assign_supports
 

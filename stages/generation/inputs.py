@@ -9,22 +9,19 @@ from numpy.typing import NDArray
 
 from roomkin.stages.contracts import Cousins, InputError, Objects, read_json
 from roomkin.stages.contracts.category import Category
-from roomkin.stages.contracts.corrections import Correction, read_corrections
 from roomkin.stages.contracts.cousins import Cousin, ObjectCousins
 from roomkin.stages.contracts.extracted import read_clouds, read_metres, read_object_masks
-from roomkin.stages.contracts.hand import digest_of_picture
+from roomkin.stages.contracts.hand import Correction, digest_of_picture, read_corrections
 from roomkin.stages.contracts.images import read_masks, read_rgb
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.matched import match_corrections
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.generation.finishing import RGB, measure_colors
+from roomkin.stages.generation.models import RGB, measure_colors
 from roomkin.stages.geometry.boxes import THINNEST
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.estimate import REACH
+from roomkin.stages.geometry.cameras import back_project, view_angle
 from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.geometry.masks import central_crop
-from roomkin.stages.geometry.outlines import Outline, measure_outline
-from roomkin.stages.geometry.viewing import view_angle
+from roomkin.stages.geometry.masks import Outline, central_crop, measure_outline
+from roomkin.stages.geometry.robust import REACH
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,9 @@
-"""One model in the place of one object: turned, sized and mounted; not yet on its support (paper A.3, A.7)."""
+"""One model in the place of one object: turned, sized and mounted; not yet on its support (paper A.3, A.7).
 
+Choose the cousin that represents each object in the scene of a rank; a person's choice comes first.
+"""
+
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,10 +15,10 @@ from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.objects import Mounting
 from roomkin.stages.generation.inputs import Inputs, MatchedObject
-from roomkin.stages.generation.mounting import PLACE_TOLERANCE, fit_stated_box, move_out_of_walls
+from roomkin.stages.generation.models import paint, resize
 from roomkin.stages.generation.placed import FLOOR, Placed
 from roomkin.stages.generation.sizing import size
-from roomkin.stages.generation.turning import find_yaw
+from roomkin.stages.generation.turning import PLACE_TOLERANCE, find_yaw, fit_stated_box, move_out_of_walls
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox
 
 
@@ -75,3 +79,107 @@ def reaches_walls(mounting: Mounting, box: UprightBox, is_round: bool) -> bool:
     """Whether a model is extended to the walls that the object touches. Not if it stands on furniture or is as deep
     as it is wide."""
     return mounting.type != 3 or not (is_round or box.bottom > PLACE_TOLERANCE)
+
+
+SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15); chosen
+
+
+def choose_models(inputs: Inputs, rank: int, places: Places) -> tuple[list[Placed], dict[str, str]]:
+    """The cousins of one rank: turned, sized and mounted where their objects are; and why others cannot be, by id.
+
+    Raises:
+        InputError: a file of the library is broken: no fault of the object.
+    """
+    items, failed, models = list[Placed](), dict[str, str](), dict[int, str]()
+    for one in inputs.matched:
+        try:
+            item = choose(one, rank, models, places)
+            models[one.object.mask] = item.asset.id
+            items.append(resize(paint(item, one.color)))
+        except ObjectError as error:
+            failed[one.object.id] = error.what
+    return items, failed
+
+
+def choose(one: MatchedObject, rank: int, models: Mapping[int, str], places: Places) -> Placed:
+    """The model for an object in the scene of a rank: the one that a person chose, else the cousin of that rank that
+    fits.
+
+    Args:
+        models: asset by mask value, of what stands in this scene already.
+
+    Raises:
+        ObjectError: the object has no cousin left, or the library lacks it.
+    """
+    stated, name = one.correction, one.object.id
+    if one.failed:
+        raise ObjectError(name, one.failed, code="E-OBJECT-FAILED")
+    if stated.like is not None and stated.like in models:
+        return take_stated(models[stated.like], one, places, "the model of what it is like, as a person says")
+    if stated.model is not None and (stated.pinned or rank == 1):
+        return take_stated(stated.model, one, places, "chosen by a person")
+    cousins = [cousin for cousin in one.cousins if cousin.asset not in {stated.model, *stated.banned}]
+    if not cousins:
+        raise ObjectError(name, "all of its cousins are banned", code="E-COUSINS-BANNED")
+    rank -= stated.model is not None and rank > 1
+    categories = find_synonyms(one.distances, cousins[0].category)
+    placed = (places.find(one, cousin) for cousin in cousins)
+    return choose_by_rank(placed, rank, places.options.max_stretch, categories)
+
+
+def take_stated(asset: str, one: MatchedObject, places: Places, why: str) -> Placed:
+    """Any model: as matching turned it, or as it turned the nearest cousin, for all models face +x."""
+    found = next((cousin for cousin in one.cousins if cousin.asset == asset), None)
+    placed = places.find(one, found or one.cousins[0].model_copy(update={"asset": asset}))
+    return replace(placed, chosen=True, doubts=(), steps=(why, *placed.steps))
+
+
+def find_synonyms(distances: Mapping[str, float], category: str) -> set[str]:
+    """The categories as near to a label as a given one, which is among them; `distances`: from the label to each."""
+    return {
+        category,
+        *(name for name, far in distances.items() if far <= distances.get(category, -np.inf) + SAME_MEANING),
+    }
+
+
+def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, categories: Collection[str]) -> Placed:
+    """The cousin that stands in the scene of a rank: of those that fit, best first, the one of that rank.
+
+    Cousins of the object's category with the doors and drawers of the nearest cousin come first: label and counts are
+    stated, a size is only measured. Then come those with other doors and drawers. Other categories are never used. If
+    fewer fit, the last that fits is used again; if none of the first group fits, the one that is stretched least. Its
+    `steps` say so.
+
+    Args:
+        placed: the cousins at their places, best first.
+        limit: how far they may be stretched; None: they all fit.
+        categories: that the object's label means, that of the nearest among them.
+    """
+    same_fronts: list[Placed] = []
+    other_fronts: list[Placed] = []
+    passed: list[tuple[float, Placed]] = []
+    nearest: Asset | None = None
+    for one in placed:
+        nearest, times = nearest or one.asset, one.stretch
+        if one.asset.category not in categories:
+            continue
+        same = (one.asset.doors, one.asset.drawers) == (nearest.doors, nearest.drawers)
+        if limit is None or times <= limit:
+            (same_fronts if same else other_fronts).append(one)
+        elif same:
+            passed.append((times, one))
+        if len(same_fronts) == rank:
+            break
+    if not same_fronts:
+        least = min(passed, key=lambda one: one[0])
+        passed.remove(least)
+        same_fronts = [replace(least[1], doubts=(*least[1].doubts, DoubtKind.STRETCHED.of(times=least[0])))]
+    fitting = same_fronts + other_fronts
+    one = fitting[min(rank, len(fitting)) - 1]
+    steps: tuple[str, ...] = ()
+    if len(fitting) < rank:
+        steps = (f"only {len(fitting)} of its cousins have its size: the last of them stands here again",)
+    over = ", ".join(f"{each.cousin} ({times:.1f})" for times, each in passed)
+    if over:
+        steps = (*steps, f"passed over, for so many times they would be stretched: cousins {over}")
+    return replace(one, steps=(*steps, *one.steps))

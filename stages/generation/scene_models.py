@@ -9,15 +9,14 @@ import trimesh
 from numpy.typing import NDArray
 
 from roomkin.stages.articulated.asset_folder import read_model
-from roomkin.stages.articulated.forward_kinematics import link_frames
 from roomkin.stages.articulated.mesh_writer import split_sharp_edges
-from roomkin.stages.articulated.model import JointModel, RobotModel, Visual
+from roomkin.stages.articulated.model import JointModel, RobotModel, Visual, link_frames
 from roomkin.stages.articulated.surfaces import ColoredMesh
 from roomkin.stages.contracts import Asset, GeneratedScene
-from roomkin.stages.contracts.look import ROOM_LIGHT, Look
+from roomkin.stages.contracts.generated import ROOM_LIGHT, Look
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.simulation.backdrop import Block, make_backdrop
+from roomkin.stages.simulation.room import ColoredBlock, make_backdrop
 
 Matrix = NDArray[np.float64]
 CAMERA = "input_camera"
@@ -53,12 +52,12 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Room:
+class ExportedScene:
     """A scene to export. World: the floor frame, z up, metres. `blocks`: floor and walls; `light`: its direction."""
 
     scene: GeneratedScene
     bodies: list[Body]
-    blocks: list[Block]
+    blocks: list[ColoredBlock]
     light: Matrix
 
     @property
@@ -67,7 +66,7 @@ class Room:
         return np.array(self.scene.floor_from_camera)
 
 
-def room_of(generated: GeneratedScene, items: list[Placed], look: Look | None) -> Room:
+def room_of(generated: GeneratedScene, items: list[Placed], look: Look | None) -> ExportedScene:
     """A scene with the models of its items, which are at their sizes."""
     bodies = [
         Body(item.id, item.label, item.asset, item.folder, read_model(item.folder), item.pose, item.held)
@@ -75,10 +74,10 @@ def room_of(generated: GeneratedScene, items: list[Placed], look: Look | None) -
     ]
     camera = np.array(generated.floor_from_camera)[:3, 3]
     blocks = make_backdrop([item.box for item in items], generated.walls, camera, look)
-    return Room(generated, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))
+    return ExportedScene(generated, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))
 
 
-def surface_of(block: Block) -> ColoredMesh:
+def surface_of(block: ColoredBlock) -> ColoredMesh:
     """A block of the backdrop, about its own center."""
     generated = split_sharp_edges(Visual(trimesh.creation.box(block.size), flat=True))
     assert generated.normals is not None

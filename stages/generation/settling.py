@@ -20,8 +20,8 @@ from roomkin.stages.contracts.generated import Plausibility
 from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.generation.placed import UNNAMED, Placed
 from roomkin.stages.geometry.boxes import depth_behind, is_behind
-from roomkin.stages.simulation.backdrop import add_backdrop
 from roomkin.stages.simulation.loading import box_center, load_asset, physics_scene, root_pose
+from roomkin.stages.simulation.room import add_backdrop
 
 OVERLAP = 0.005  # metres that push things: 5 mm threw light things over (GenerationConfig.touch)
 Body: TypeAlias = PhysxArticulation | sapien.Entity

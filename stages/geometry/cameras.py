@@ -1,4 +1,7 @@
-"""Pinhole camera: intrinsics, back-projection, projection. Camera frame x right, y down, z forward."""
+"""Pinhole camera: intrinsics, back-projection, projection. Camera frame x right, y down, z forward.
+
+Yaw of an asset in the floor frame and as the camera sees it.
+"""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -6,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points
+from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points, wrap_angle
 
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # OpenGL's camera axes (x right, y up, z backward) from OpenCV's, and back
 # OpenCV's camera axes -> SAPIEN's (x forward, y left, z up)
@@ -108,3 +111,18 @@ class PointMap:
         """Points (N, 3) of the pixels of a mask (H, W), as far as their depth is known."""
         known = mask & self.known
         return self.points[known]
+
+
+def view_yaw(camera: ArrayLike, center: ArrayLike, psi: float) -> float:
+    """Yaw in the floor frame of an asset that looks to the camera as it does at snapshot yaw `psi`.
+
+    At psi = 0 the asset's front (+x) faces the camera; the direction is that to the object, not the
+    optical axis, so that things at the border of the picture are turned rightly as well.
+    """
+    away = np.asarray(center, dtype=float)[:2] - np.asarray(camera, dtype=float)[:2]
+    return wrap_angle(float(np.arctan2(-away[1], -away[0])) + psi)
+
+
+def view_angle(camera: ArrayLike, center: ArrayLike, yaw: float) -> float:
+    """Snapshot yaw psi at which an asset of this yaw in the floor frame is seen; the inverse of `view_yaw`."""
+    return wrap_angle(yaw - view_yaw(camera, center, 0.0))

@@ -5,11 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.geometry.gravity import LEVEL, cell_normals, find_up
 from roomkin.stages.geometry.room_planes import (
+    LEVEL,
     PLANE_THRESHOLD,
     STRAY,
     Plane,
+    cell_normals,
+    find_up,
     least_squares_plane,
     sample_points,
     scale_threshold,

@@ -1,6 +1,13 @@
-"""Masks of an image (H, W): bounds, polygons, and the pixels that can be trusted (paper A.7)."""
+"""Masks of an image (H, W): bounds, polygons, and the pixels that can be trusted (paper A.7).
 
-from collections.abc import Iterable
+The outline of a mask as its ends along many directions of the picture, and how far the thing may go on unseen.
+
+One object in one picture, and its crop: what every patch encoder starts from.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -110,3 +117,157 @@ def look_below(
     counts = np.bincount(below, minlength=1)
     counts[0] = 0
     return int(counts.argmax()) if 2 * counts.max() >= len(columns) else 0
+
+
+DIRECTIONS = 32  # of ends, all around; twice as many change nothing
+SIDE = 0.03  # of the mask's extent along a direction: the pixels that make up its end; chosen
+SAMPLES = 20  # of these pixels, for time
+NEARER = 0.05  # metres, beyond the noise of depth (`noise`), by which what hides a thing is nearer; chosen
+STRIDE = 4  # pixels between looks behind what hides a thing; chosen for time
+Array = NDArray[np.float64]
+
+
+class Outline(NamedTuple):
+    """Ends (K,), pixels, of a mask along the unit vectors `directions` (K, 2), x right and y down.
+
+    reach: where what is seen ends. limit: where the thing ends at the latest: `reach` where it is seen to end, more
+    where something nearer hides it, infinite where the picture ends.
+    """
+
+    directions: Array
+    reach: Array
+    limit: Array
+
+    def measure_misfit(self, pixels: Array) -> Array:
+        """By how many pixels (K,) a thing with these points (N, 2) ends too far out; negative: too far in."""
+        ends = (pixels @ self.directions.T).max(axis=0)
+        return np.minimum(ends - self.reach, 0) + np.maximum(ends - self.limit, 0)
+
+
+def measure_outline(mask: Mask, depth: NDArray[np.floating], inside: Mask, noise: Callable[[Array], Array]) -> Outline:
+    """The outline of a mask (H, W) that is not empty.
+
+    Args:
+        depth: (H, W) metres of all that is seen, 0 where unknown.
+        inside: pixels (H, W) that are used; the picture ends where they end.
+        noise: metres by which depth is wrong before and behind it, at distances (N,).
+    """
+    angles = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
+    directions = np.column_stack([np.cos(angles), np.sin(angles)])
+    rows, columns = np.nonzero(mask)
+    pixels = np.column_stack([columns, rows])
+    along = pixels @ directions.T
+    reach = along.max(axis=0)
+    own = depth[rows, columns].astype(float)
+    own = np.where(own > 0, own, np.median(own[own > 0]) if (own > 0).any() else np.inf)
+    band = np.maximum(1.0, SIDE * (reach - along.min(axis=0)))
+    steps = np.arange(2 * OUTLINE, sum(mask.shape), STRIDE)
+    hidden = np.zeros(DIRECTIONS)
+    for number, direction in enumerate(directions):
+        ends = np.flatnonzero(along[:, number] >= reach[number] - band[number])
+        ends = ends[:: max(1, len(ends) // SAMPLES)]
+        hidden[number] = _measure_hidden(pixels[ends], own[ends], direction, steps, mask, depth, inside, noise)
+    return Outline(directions, reach + 0.5, reach + 0.5 + hidden)
+
+
+def _measure_hidden(
+    ends: NDArray[np.integer],
+    own: Array,
+    direction: Array,
+    steps: NDArray[np.integer],
+    mask: Mask,
+    depth: NDArray[np.floating],
+    inside: Mask,
+    noise: Callable[[Array], Array],
+) -> float:
+    """Pixels by which a thing may go on beyond most of the pixels `ends` (N, 2), `own` (N,) metres away."""
+    height, width = mask.shape
+    known = np.isfinite(own)  # not where it is shown as floor: nothing hides that
+    gap = np.where(known, NEARER + noise(own), 0)
+
+    def look(step: float) -> tuple[Mask, Array]:
+        """Which pixels, `step` farther out, are outside the picture, and the depth of the others."""
+        x, y = np.rint(ends + step * direction).astype(int).T
+        there = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+        x, y = np.where(there, x, 0), np.where(there, y, 0)
+        there &= inside[y, x] | mask[y, x]
+        return ~there, np.where(there & ~mask[y, x], depth[y, x], 0)
+
+    outside, shown = look(float(steps[0]))
+    nearer = (shown > 0) & (shown < own - gap) & known
+    if (outside | nearer).mean() < 0.5:
+        return 0.0
+    far = np.full(len(ends), np.inf)
+    open_ = np.ones(len(ends), dtype=bool)
+    for step in steps:
+        outside, shown = look(float(step))
+        passed = open_ & (shown > own + gap / 2)
+        far[passed] = step
+        open_ &= ~passed & ~outside
+        if not open_.any():
+            break
+    return float(far.max())
+
+
+GREY = 127  # color of what is masked out
+
+
+@dataclass(frozen=True)
+class ObjectView:
+    """An object as a camera sees it.
+
+    rgb (H, W, 3) uint8; mask (H, W) bool, the object's visible pixels; depth (H, W) float32 metres along
+    the optical axis, 0: unknown, or None; intrinsics (3, 3) in pixels; up (3,) the unit vector against
+    gravity in the camera frame, or None where it is not known.
+    """
+
+    rgb: NDArray[np.uint8]
+    mask: NDArray[np.bool_]
+    depth: NDArray[np.float32] | None = None
+    intrinsics: NDArray[np.float64] | None = None
+    up: NDArray[np.float64] | None = None
+
+
+def cut(view: ObjectView) -> ObjectView:
+    """The view cut to the box of its mask; the principal point moves along, everything else stays as it is."""
+    x0, y0, x1, y1 = pixel_bounds(view.mask)
+    window = np.s_[y0:y1, x0:x1]
+    intrinsics = None
+    if view.intrinsics is not None:
+        intrinsics = np.array(view.intrinsics, dtype=float)
+        intrinsics[0, 2] -= x0
+        intrinsics[1, 2] -= y0
+    depth = None if view.depth is None else view.depth[window]
+    return ObjectView(view.rgb[window], view.mask[window], depth, intrinsics, view.up)
+
+
+def darken_rest(view: ObjectView) -> NDArray[np.uint8]:
+    """The object's part of the picture, what is not the object darkened."""
+    shade = np.where(view.mask[..., None], view.rgb, view.rgb // 3).astype(np.uint8)
+    return cut(ObjectView(shade, view.mask)).rgb
+
+
+def masked_square(view: ObjectView, width: int, height: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """A cut view as a picture (height, width, 3), grey outside the mask, and the mask's coverage (height, width).
+
+    The aspect ratio is not kept: cousins are rescaled per axis, so it says little about the model.
+    """
+    rgb = np.where(view.mask[..., None], view.rgb, np.uint8(GREY))
+    shrinks = view.mask.shape[0] > height or view.mask.shape[1] > width
+    method = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    coverage = cv2.resize(view.mask.astype(np.float32), (width, height), interpolation=method)
+    picture = cv2.resize(rgb, (width, height), interpolation=method)
+    return picture.astype(np.uint8, copy=False), coverage.astype(np.float32, copy=False)
+
+
+def patch_positions(rows: int, columns: int) -> NDArray[np.float32]:
+    """Centers (rows, columns, 2) of the patches as (x, y) in [-1, 1] of the crop."""
+    y = (np.arange(rows) + 0.5) / rows * 2 - 1
+    x = (np.arange(columns) + 0.5) / columns * 2 - 1
+    return np.stack(np.meshgrid(x, y), axis=-1).astype(np.float32)
+
+
+def foreground(coverage: NDArray[np.float32], rows: int, columns: int, least: float = 0.5) -> NDArray[np.bool_]:
+    """Patches (rows, columns) that the mask covers by a share of `least`; if there are none, those it touches."""
+    share = cv2.resize(coverage, (columns, rows), interpolation=cv2.INTER_AREA)
+    return share >= least if (share >= least).any() else share > 0

@@ -1,4 +1,7 @@
-"""Robust least squares: terms in their own standard deviations, which count as Cauchy's where they may be far off."""
+"""Robust least squares: terms in their own standard deviations, which count as Cauchy's where they may be far off.
+
+How the points of a surface lie, as a depth camera has them.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -6,12 +9,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+TRIM = 0.005  # share of an exact cloud's points left out at either end of an extent; half of A.7's; chosen
+BIN = 0.005  # metres: width of a bin of coordinates; chosen
+SPREAD = 0.015  # metres by which points of a face spread without noise (panels, handles); chosen
+REACH = 3.0  # standard deviations of noise: 99.7 % of the points of a face lie within
+PROMINENT = 2.0  # times the mean density of points, from which on there is a face; chosen
+
+
 UNUSUAL = 2.0  # deviations from which on what is seen counts less; chosen on `work`
 LARGEST_CHANGE = 1.5  # logarithm: extents of a box never change by more
 Array = NDArray[np.float64]
 
 
-class Terms(NamedTuple):
+class Deviations(NamedTuple):
     """Deviations (M,), how much each counts (M,), and from where on it counts less (M,), inf: it is Gaussian."""
 
     off: Array
@@ -26,7 +36,9 @@ class Terms(NamedTuple):
         return float((self.share * lost).sum() / 2)
 
 
-def find_step(measure: Callable[[Array], Terms], state: Array, small: float, damping: Array) -> tuple[Array, Array]:
+def find_step(
+    measure: Callable[[Array], Deviations], state: Array, small: float, damping: Array
+) -> tuple[Array, Array]:
     """A step (N,) of Gauss-Newton with Cauchy's weights, to be taken off a state (N,); and the curvature (N, N) there.
 
     Args:

@@ -9,7 +9,6 @@ from roomkin.stages.cli import progress
 from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.contracts import read_options
 from roomkin.stages.contracts.features import FeatureIndex
-from roomkin.stages.matching.codec import learn
 from roomkin.stages.matching.encoders import (
     EXTRA_COLUMNS,
     PatchEncoder,
@@ -19,7 +18,7 @@ from roomkin.stages.matching.encoders import (
     settings_digest,
 )
 from roomkin.stages.matching.snapshots import SnapshotFile
-from roomkin.stages.matching.store import write_store
+from roomkin.stages.matching.store import learn, write_store
 
 SAMPLE_ASSETS, SAMPLE_VIEWS = 60, 4  # that a codec is learned on; chosen
 

@@ -7,22 +7,19 @@ from pathlib import Path
 from typing import NamedTuple
 
 from roomkin.stages.cli import progress
+from roomkin.stages.config.code import record_provenance
 from roomkin.stages.config.matching import MatchingConfig, matching_model
 from roomkin.stages.config.packages import find_packages
-from roomkin.stages.config.provenance import record_provenance
 from roomkin.stages.contracts import Cousins, LeftOut, Library, read_json, read_options, write_json
 from roomkin.stages.contracts.cousins import ObjectCousins, Orientation
 from roomkin.stages.contracts.doubt import MEND
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.matching.affordances import note_differences
-from roomkin.stages.matching.agreement import agree_on_order
 from roomkin.stages.matching.candidates import find_candidates
-from roomkin.stages.matching.deciding import decide_cousins
+from roomkin.stages.matching.deciding import agree_on_order, decide_cousins, note_differences
 from roomkin.stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from roomkin.stages.matching.judges import Judges
 from roomkin.stages.matching.ranking import make_query, rank_by_priors, rank_models, rank_orientations, shortlist
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.matching.snapshots import SceneObjects, Snapshots
 from roomkin.stages.matching.store import FeatureStore
 from roomkin.stages.matching.text_encoders import TextEncoder, make_text_encoder
 
@@ -61,7 +58,7 @@ def run(
     settings = read_options(matching_model(find_packages()), options)
     stored = open_pictures(features, settings) if settings.compares_pictures else None
     assets = leave_out(read_json(Library, library), without)
-    scene = Scene(objects, image)
+    scene = SceneObjects(objects, image)
     text = make_text_encoder(settings)
     judges = Judges(settings, library, Snapshots(snapshots))
     entries = [
@@ -106,7 +103,7 @@ def leave_out(library: Library, files: tuple[Path, ...]) -> Library:
 
 def match_object(
     item: SceneObject,
-    scene: Scene,
+    scene: SceneObjects,
     library: Library,
     stored: Pictures | None,
     text: TextEncoder,

@@ -8,7 +8,7 @@ from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import InputError, Objects
 from roomkin.stages.contracts.cousins import Candidate, Orientation
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.snapshots import Snapshots
 
 T = TypeVar("T")
@@ -22,7 +22,7 @@ class Question(NamedTuple):
     alike; rank: of the cousin whose orientation is asked for; item, scene: what extraction found of the object, of all.
     """
 
-    view: View
+    view: ObjectView
     label: str
     library: Path
     snapshots: Snapshots

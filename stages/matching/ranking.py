@@ -1,4 +1,7 @@
-"""Rank models and orientations for one object by patch voting and by embedding distance (paper A.6, B.1)."""
+"""Rank models and orientations for one object by patch voting and by embedding distance (paper A.6, B.1).
+
+Top-k by iterated voting, and the embedding distance (paper A.6), both from one table of patch distances.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -9,14 +12,52 @@ from numpy.typing import NDArray
 from roomkin.stages.config.matching import ComparisonOptions, MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.candidates import Candidates
 from roomkin.stages.matching.encoders import PatchEncoder, column_weights, encode_rows, pool_patches, whole_weights
 from roomkin.stages.matching.priors import list_addends
 from roomkin.stages.matching.question import DIGITS
 from roomkin.stages.matching.search import distance_table, load_search
 from roomkin.stages.matching.store import FeatureStore, Snapshot
-from roomkin.stages.matching.voting import Pick, embedding_distance, vote
+
+
+class Pick(NamedTuple):
+    """One round of voting: the group that won, and the votes of its winning picture."""
+
+    group: int
+    votes: int
+
+
+def vote(table: NDArray[np.float64], groups: NDArray[np.intp], rounds: int) -> list[Pick]:
+    """Iterated top-1 voting: every query patch votes for the picture with its nearest patch.
+
+    Args:
+        table: (Q, C) distance of each query patch to each candidate picture.
+        groups: (C,) what each picture shows, e.g. the number of its model. The picture with most votes
+            wins for its group, and all pictures of the group leave the next rounds.
+        rounds: how many groups to pick; fewer if there are fewer.
+
+    Ties, of patches as of votes, go to the picture that comes first.
+    """
+    remaining = table.copy()
+    picks: list[Pick] = []
+    for _ in range(min(rounds, len(np.unique(groups)))):
+        votes = np.bincount(remaining.argmin(axis=1), minlength=len(groups))
+        votes[np.isin(groups, [pick.group for pick in picks])] = -1  # a group that won is out, even with no votes left
+        winner = int(votes.argmax())
+        picks.append(Pick(int(groups[winner]), int(votes[winner])))
+        remaining[:, groups == groups[winner]] = np.inf
+    return picks
+
+
+def embedding_distance(table: NDArray[np.float64], exclude_worst: float) -> NDArray[np.float64]:
+    """Distance (C,) of the query to each picture: mean distance of its patches without the largest ones.
+
+    `exclude_worst` is the share of patches left out (paper: 0.10), rounded down to whole patches.
+    """
+    kept = len(table) - int(exclude_worst * len(table))
+    return np.partition(table, kept - 1, axis=0)[:kept].mean(axis=0)
+
 
 Models = tuple[list[Candidate], list[Candidate]]  # by votes, by distance
 Orientations = tuple[list[Orientation], list[Orientation]]  # likewise
@@ -50,7 +91,7 @@ def apply_weights(rows: NDArray[np.floating], weights: NDArray[np.float32]) -> N
     return rows[:, used].astype(np.float32) * weights[used]
 
 
-def make_query(view: View, encoder: PatchEncoder, color: float = 0.0) -> Query | None:
+def make_query(view: ObjectView, encoder: PatchEncoder, color: float = 0.0) -> Query | None:
     """Encode an object; normals count if half of its pixels or more have depth. None: it has no foreground patch.
 
     `color`: the weight of the patches' colors.

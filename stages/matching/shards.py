@@ -6,9 +6,9 @@ from pathlib import Path
 
 from roomkin.stages.config.matching import CandidateOptions
 from roomkin.stages.contracts import Library, Objects, read_json, read_options, write_json
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.library import LibraryEntry
-from roomkin.stages.contracts.library_parts import SceneShards, holds, name_part
-from roomkin.stages.contracts.words import count
+from roomkin.stages.contracts.library_folder import SceneShards, holds, name_part
 from roomkin.stages.matching.candidates import find_candidates
 from roomkin.stages.matching.text_encoders import make_text_encoder
 

@@ -1,4 +1,7 @@
-"""Reading the snapshots of the assets stage."""
+"""Reading the snapshots of the assets stage.
+
+Reading what extraction left of a scene: picture, masks, depth, and each object's view of them.
+"""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -7,12 +10,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts import InputError
+from roomkin.stages.contracts import InputError, Objects
 from roomkin.stages.contracts.arrays import explain_unreadable
+from roomkin.stages.contracts.extracted import read_metres, read_object_masks
+from roomkin.stages.contracts.features import MAKE_SNAPSHOTS, open_snapshots
 from roomkin.stages.contracts.files import read_json
+from roomkin.stages.contracts.images import check_size, read_rgb
 from roomkin.stages.contracts.library import SnapshotShard
-from roomkin.stages.contracts.snapshot_file import AGAIN, open_snapshots
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.geometry.masks import ObjectView
 
 
 class SnapshotFile:
@@ -30,19 +36,19 @@ class SnapshotFile:
     def __exit__(self, *_: object) -> None:
         self._file.close()
 
-    def views(self, asset: str) -> list[View]:
+    def views(self, asset: str) -> list[ObjectView]:
         """All views of an asset: the yaws, then the representative. The object is where there is depth."""
         number = self._position[asset]
-        with explain_unreadable(self.path, "snapshot file", AGAIN):  # a chunk may be damaged
+        with explain_unreadable(self.path, "snapshot file", MAKE_SNAPSHOTS):  # a chunk may be damaged
             rgbs, depths = self._rgb[number], self._depth[number].astype(np.float32) / 1000
         intrinsics = np.array(self.sidecar.intrinsics, dtype=float)
         up = up_of_camera(self.sidecar.elevation)
-        return [View(rgb, depth > 0, depth, intrinsics, up) for rgb, depth in zip(rgbs, depths, strict=True)]
+        return [ObjectView(rgb, depth > 0, depth, intrinsics, up) for rgb, depth in zip(rgbs, depths, strict=True)]
 
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
         """The snapshot (H, W, 3) nearest to a yaw in radians."""
         gap = np.angle(np.exp(1j * (np.array(self.sidecar.yaws) - yaw)))
-        with explain_unreadable(self.path, "snapshot file", AGAIN):
+        with explain_unreadable(self.path, "snapshot file", MAKE_SNAPSHOTS):
             picture: NDArray[np.uint8] = self._rgb[self._position[asset], int(np.abs(gap).argmin())]
         return picture
 
@@ -56,7 +62,7 @@ class Snapshots:
     @cached_property
     def _shards(self) -> dict[str, Path]:
         """The shard of every asset."""
-        sidecars = {path: read_json(SnapshotShard, path.with_suffix(".json"), AGAIN) for path in self._paths}
+        sidecars = {path: read_json(SnapshotShard, path.with_suffix(".json"), MAKE_SNAPSHOTS) for path in self._paths}
         return {asset: path for path, sidecar in sidecars.items() for asset in sidecar.assets}
 
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
@@ -64,7 +70,7 @@ class Snapshots:
         with self._find_shard(asset) as shard:
             return shard.picture(asset, yaw)
 
-    def views(self, asset: str) -> list[View]:
+    def views(self, asset: str) -> list[ObjectView]:
         """All views of an asset: the yaws, then the representative."""
         with self._find_shard(asset) as shard:
             return shard.views(asset)
@@ -84,3 +90,23 @@ class Snapshots:
 def up_of_camera(elevation: float | None) -> NDArray[np.float64] | None:
     """Unit vector (3,) against gravity in the frame of a level camera that looks down by `elevation` radians."""
     return None if elevation is None else np.array([0.0, -np.cos(elevation), -np.sin(elevation)])
+
+
+class SceneObjects:
+    """`objects.json` with `masks.png` and `depth.npz` beside it, and the picture.
+
+    Depth may be missing (then no normals are compared); masks may not.
+    """
+
+    def __init__(self, objects: Path, image: Path) -> None:
+        self.objects = read_json(Objects, objects)
+        self._rgb = read_rgb(image)
+        check_size(image, self._rgb, self.objects.width, self.objects.height, objects.name)
+        self._masks = read_object_masks(objects, self.objects)
+        self._depth = read_metres(objects, self.objects)
+        self._intrinsics = np.array(self.objects.intrinsics, dtype=float)
+        self._up = np.array(self.objects.floor_from_camera, dtype=float)[2, :3]
+
+    def view(self, item: SceneObject) -> ObjectView:
+        """The object as the camera sees it; the mask may be empty."""
+        return ObjectView(self._rgb, self._masks == item.mask, self._depth, self._intrinsics, self._up)

@@ -1,4 +1,10 @@
-"""The feature store: foreground patches of all snapshots, rows in a memory-mapped .npy with a JSON index."""
+"""The feature store: foreground patches of all snapshots, rows in a memory-mapped .npy with a JSON index.
+
+Smaller feature rows: principal components of the features, learned on the snapshots, one byte for every number.
+
+A row is read back as mean + (codes * steps) @ components, so whatever compares rows need not know. What is lost is
+measured in docs/results/matching.md.
+"""
 
 from collections.abc import Sequence
 from functools import partial
@@ -9,10 +15,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError, write_atomically, write_json
-from roomkin.stages.contracts.features import AGAIN, FeatureIndex, open_companion, open_features
-from roomkin.stages.matching.codec import Codec
+from roomkin.stages.contracts.features import MAKE_FEATURES, FeatureIndex, open_companion, open_features
 
-other_features = partial(InputError, fix=AGAIN, code="E-FEATURES-OTHER")
+LEVELS = np.iinfo(np.int8).max
+HEADROOM = 1.1  # numbers beyond this times the largest one of the sample are cut off; chosen
+
+
+class Codec(NamedTuple):
+    """mean (D,), orthonormal components (K, D), steps (K,) of the codes."""
+
+    mean: NDArray[np.float32]
+    components: NDArray[np.float32]
+    steps: NDArray[np.float32]
+
+    def encode(self, rows: NDArray[np.floating]) -> NDArray[np.int8]:
+        """Codes (P, K) of rows (P, D)."""
+        codes = ((rows.astype(np.float32) - self.mean) @ self.components.T) / self.steps
+        return np.clip(np.round(codes), -LEVELS, LEVELS).astype(np.int8)
+
+    def decode(self, codes: NDArray[np.int8]) -> NDArray[np.float32]:
+        """Rows (P, D) of codes (P, K)."""
+        rows = self.mean + (codes * self.steps) @ self.components
+        return rows.astype(np.float32, copy=False)
+
+
+def learn(sample: NDArray[np.floating], dimensions: int, kept: int) -> Codec:
+    """A codec from sample rows (N, D): `dimensions` principal components, and the last `kept` columns as they are.
+
+    Raises:
+        InputError: the rows have no more columns than that.
+    """
+    features = sample.shape[1] - kept
+    if dimensions >= features:
+        what = f"{dimensions}: features have {features} numbers."
+        raise InputError("matching.dimensions", what, "0: no compression", code="E-FEATURE-DIMENSIONS")
+    rows = sample.astype(np.float64)
+    mean = rows.mean(axis=0)
+    _, axes = np.linalg.eigh(np.cov(rows[:, :features].T))  # smallest first
+    components = np.zeros((dimensions + kept, sample.shape[1]))
+    components[:dimensions, :features] = axes[:, ::-1][:, :dimensions].T
+    components[dimensions:, features:] = np.eye(kept)
+    largest = np.abs((rows - mean) @ components.T).max(axis=0)
+    steps = np.maximum(HEADROOM * largest, 1e-6) / LEVELS
+    return Codec(mean.astype(np.float32), components.astype(np.float32), steps.astype(np.float32))
+
+
+other_features = partial(InputError, fix=MAKE_FEATURES, code="E-FEATURES-OTHER")
 
 
 class Snapshot(NamedTuple):
@@ -80,7 +128,7 @@ class FeatureStore:
             shard = len(self._indices) - 1
             self._where |= {asset: (shard, position) for position, asset in enumerate(index.assets)}
         if not self._indices:
-            raise InputError("--features", "names no feature store.", AGAIN, code="E-FEATURES-MISSING")
+            raise InputError("--features", "names no feature store.", MAKE_FEATURES, code="E-FEATURES-MISSING")
         self.yaws = self._indices[0].yaws
         self.upright = self._indices[0].upright
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from roomkin.stages.config.perception import DrawOptions
 from roomkin.stages.contracts import InputError, read_json, read_options, write_json
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.hand import PROJECT, find_hand_file, is_by_hand
 from roomkin.stages.contracts.system import lock_folder
-from roomkin.stages.contracts.words import count
 from roomkin.stages.perception.classification.by_size import name_others, name_standing
 from roomkin.stages.perception.classification.names import find_reason, find_surest, place_sure
 from roomkin.stages.perception.classification.propose import list_silent
@@ -19,7 +19,14 @@ from roomkin.stages.perception.drawing.room import add_found, draw_room
 from roomkin.stages.perception.drawing.solve import UNSURE, Solved
 from roomkin.stages.perception.drawing.write import finish_drawing, write_folder
 from roomkin.stages.perception.layout.ends import measure_all, number_masks
-from roomkin.stages.perception.layout.room import Room, arrange, build_room, describe_camera, scale_room, see_camera
+from roomkin.stages.perception.layout.room import (
+    FittedRoom,
+    arrange,
+    build_room,
+    describe_camera,
+    scale_room,
+    see_camera,
+)
 from roomkin.stages.perception.layout.things import see_outlines
 from roomkin.stages.perception.read.photo import Photo, read_known
 from roomkin.stages.perception.segmentation.proposal import find_border
@@ -32,7 +39,7 @@ class Drawn(NamedTuple):
 
     project: Project
     solved: Solved
-    room: Room
+    room: FittedRoom
     masks: NDArray[np.uint16]
     labels: dict[int, str]
     missing: list[str]

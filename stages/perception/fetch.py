@@ -36,8 +36,8 @@ from roomkin.stages.config.weights import (
     weights_sha256,
 )
 from roomkin.stages.contracts import InputError, read_options, write_text
-from roomkin.stages.contracts.errors import explain
-from roomkin.stages.contracts.files import Contract, first_error, write_atomically
+from roomkin.stages.contracts.errors import explain, first_error
+from roomkin.stages.contracts.files import Contract, write_atomically
 
 CONNECT_S = 10  # seconds to wait for an address, and for each answer; chosen
 PIECE = 1 << 20  # bytes at a time

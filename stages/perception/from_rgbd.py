@@ -8,7 +8,7 @@ from roomkin.stages.config.recordings import name_picture
 from roomkin.stages.contracts import Annotations, InputError
 from roomkin.stages.perception.read.camera_files import KNOWS
 from roomkin.stages.perception.read.frame import Frame
-from roomkin.stages.perception.read.views import View, choose_camera, find_view, read_frame
+from roomkin.stages.perception.read.views import ViewFiles, choose_camera, find_view, read_frame
 from roomkin.stages.perception.write import write_frame
 
 
@@ -54,7 +54,7 @@ def run(
         fix = f"--camera: its name, degrees over the width, or {KNOWS}"
         raise InputError(rgb, "nothing says what camera took it.", fix, code="E-CAMERA-MISSING")
     else:
-        view = View(rgb, depth, read_camera, camera_file)
+        view = ViewFiles(rgb, depth, read_camera, camera_file)
     frame = read_frame(view, unit, depth_is, masks, labels)
     frame = replace(frame, picture=name_picture(rgb) if rgb else "")
     print_summary(out, frame, write_frame(out, frame))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from roomkin.stages.config.perception import MeasureOptions
 from roomkin.stages.config.recordings import name_picture
 from roomkin.stages.contracts import read_options
-from roomkin.stages.contracts.depth import NEAREST
+from roomkin.stages.contracts.images import NEAREST
 from roomkin.stages.geometry.cameras import back_project, make_intrinsics
 from roomkin.stages.geometry.levels import find_ground
 from roomkin.stages.geometry.room_planes import STRAY, Plane, make_floor_frame

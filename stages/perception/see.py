@@ -11,12 +11,11 @@ import numpy as np
 from roomkin.stages.config.perception import OutlineSection, SeeOptions, SeeSection
 from roomkin.stages.config.weights import CLIP, list_lacking
 from roomkin.stages.contracts import Camera, InputError, read_json, read_options, write_atomically, write_json
-from roomkin.stages.contracts.depth import check_turned, read_depth
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.hand import digest_of_picture
-from roomkin.stages.contracts.images import read_rgb
+from roomkin.stages.contracts.images import check_turned, read_depth, read_rgb
 from roomkin.stages.contracts.things import THINGS, Ground, Thing, Things
 from roomkin.stages.contracts.types import FLOOR, WALL
-from roomkin.stages.contracts.words import count
 from roomkin.stages.geometry.cameras import back_project
 from roomkin.stages.geometry.levels import BELOW
 from roomkin.stages.perception.camera.surfaces import Surfaces, find_surfaces
@@ -24,8 +23,7 @@ from roomkin.stages.perception.captions import caption_things, make_captioner, s
 from roomkin.stages.perception.classification.names import UNSURE, find_surest
 from roomkin.stages.perception.classification.naming import Named, name_things
 from roomkin.stages.perception.classification.propose import list_silent
-from roomkin.stages.perception.read.belonging import doubt_depth
-from roomkin.stages.perception.read.frame import TILT, Frame, Labelled
+from roomkin.stages.perception.read.frame import TILT, Frame, Labelled, doubt_depth
 from roomkin.stages.perception.segmentation.choosing import choose
 from roomkin.stages.perception.segmentation.proposal import RoomView, list_proposals
 from roomkin.stages.perception.write import NAMES, draw_numbers, tell_names, write_frame

@@ -19,7 +19,7 @@ from roomkin.stages.contracts.parts import says_opening
 from roomkin.stages.contracts.scene_input import write_scene_input
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.contracts.things import Found, Name
-from roomkin.stages.geometry.estimate import TRIM
+from roomkin.stages.geometry.robust import TRIM
 from roomkin.stages.perception.classification.names import Names, Proposal
 from roomkin.stages.perception.read.frame import TILT, Frame, Labelled, fit_frame, surface_of
 from roomkin.stages.perception.read.mask_pieces import remove_edges

@@ -1,5 +1,5 @@
 """Motion planning: which motions of the hand the arm can follow without touching anything (paper A.4).
 
-`path.py` makes paths of the hand, `handle_grasp.py` ways to hold a handle, `rollout.py` tries candidates out through
-the IK that executes actions, `clearance.py` measures the room around the arm, `articulation.py` plans to move a joint.
+`clearance.py` makes paths of the hand and measures the room around the arm, `rollout.py` tries candidates out through
+the IK that executes actions, `articulation.py` has ways to hold a handle and plans to move its joint.
 """

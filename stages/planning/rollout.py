@@ -7,8 +7,7 @@ from itertools import islice
 import numpy as np
 
 from roomkin.stages.geometry.frames import invert_transform
-from roomkin.stages.planning.clearance import Surroundings, arm_spheres
-from roomkin.stages.planning.path import make_line, measure_distance
+from roomkin.stages.planning.clearance import Surroundings, arm_spheres, make_line, measure_distance
 from roomkin.stages.simulation.kinematics import Array, Chain, pose_error, track
 from roomkin.stages.simulation.robot import REST
 

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import write_atomically
-from roomkin.stages.contracts.policy_folder import check_weights, read_config, weights_of
+from roomkin.stages.contracts.trained import check_weights, read_config, weights_of
 from roomkin.stages.policies.base import TrainablePolicy, make_policy
 
 FILES = {"best": "policy.safetensors", "last": "last.safetensors"}

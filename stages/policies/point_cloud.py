@@ -1,15 +1,123 @@
-"""The base of our policies: clouds are encoded by the paper's PointNet (B.3)."""
+"""The base of our policies: clouds are encoded by the paper's PointNet (B.3).
+
+PointNet encoder of a cloud whose points carry a finger flag (paper B.3), with two exact savings.
+
+1. The flag has two values, so its embedding e(flag) folds into the first layer:
+   W [xyz, e(f)] + b = W_x xyz + t_0 + f (t_1 - t_0) with t_k = W_e e(k) + b. 131 inputs become 4. A third value, for
+   the handle, adds an input of its own, 1 where it holds.
+2. Max-pooling passes gradient to the winning points only. A forward pass without gradient, in
+   chunks that stay in the cache, finds the winners; a second pass differentiates them alone.
+
+Both leave values and gradients as they are (a test compares with the plain dense network).
+"""
 
 import numpy as np
 import torch
-from torch import Tensor
+from torch import Tensor, nn
+from torch.nn import functional
 
 from roomkin.stages.contracts.episode_store import PROPRIO
 from roomkin.stages.contracts.policy_config import PolicyConfig
 from roomkin.stages.policies.base import Float, TrainablePolicy
 from roomkin.stages.policies.handle_points import find_handle_middles, offsets_to_handle
 from roomkin.stages.policies.point_cloud_options import FLAG_EMBEDDING, PointCloudOptions
-from roomkin.stages.policies.pointnet import PointNet
+
+CHUNK_ELEMENTS = {"cpu": 2**18, "cuda": 2**27}  # activations per chunk: 1 MB of float32 fits a core's L2 cache
+
+
+# torch's own linear layer goes to MKL, which takes twice the time of oneDNN on AMD processors (docs/benchmarks.md).
+ONEDNN = torch.backends.mkldnn.is_available() and hasattr(torch.ops.mkldnn, "_linear_pointwise")
+
+
+class PointNet(nn.Module):
+    """Shared MLP over points, max-pool, ReLU: (N, P, 2 + flags) clouds -> (N, width) features.
+
+    A point is x, y, z, 1 on a gripper finger (else 0) and, of three flags, 1 on the handle (else 0). Between the layers
+    is GELU.
+    """
+
+    def __init__(self, width: int, layers: int, flag_embedding: int, bf16: bool = False, flags: int = 2) -> None:
+        super().__init__()
+        self.flag = nn.Embedding(flags, flag_embedding)
+        self.first = nn.Linear(3 + flag_embedding, width)
+        self.rest = nn.ModuleList(nn.Linear(width, width) for _ in range(layers - 1))
+        self.bf16 = bf16
+        # With one fan-in for all 131 inputs the 128 of the embedding drown the coordinates: all points look alike,
+        # and hundreds of updates pass before the policy uses the cloud. Each group gets its own.
+        nn.init.uniform_(self.first.weight[:, :3], -(3**-0.5), 3**-0.5)
+
+    def forward(self, clouds: Tensor) -> Tensor:
+        """Features (N, width) of clouds (N, P, 2 + flags)."""
+        if not torch.is_grad_enabled():
+            return functional.relu(self._winners(clouds)[0])
+        with torch.no_grad():
+            winner = self._winners(clouds)[1]  # (N, width): index of the point that wins each channel
+        is_winner = torch.zeros(clouds.shape[:2], dtype=torch.bool, device=clouds.device).scatter_(1, winner, True)
+        row = is_winner.flatten().cumsum(0).view_as(is_winner) - 1  # row of a point among all winners of the batch
+        features = self._mlp(clouds[is_winner], *self.fold_first_layer())
+        return functional.relu(features.gather(0, row.gather(1, winner)))
+
+    @torch.no_grad()
+    def standardise(self, clouds: Tensor, floor: float = 0.0) -> None:
+        """Rescale the last layer so that the pooled features of `clouds` have mean 1 and deviation 1 before the ReLU.
+
+        Initial features hardly differ between clouds; with unit variance, as proprioception has it, the policy uses
+        them from the first updates on (data-dependent initialisation, Mishkin and Matas 2016). Call it before training.
+
+        A channel that a point of the fingers wins in every cloud varies by millimetres. To make them count as one can
+        blow the feature up in training until the LSTM behind is saturated for good (docs/policies.md), so features that
+        vary by less than `floor` of the median are scaled as if they varied by that.
+        """
+        pooled = self._winners(clouds)[0]
+        last = self.rest[-1]
+        assert isinstance(last, nn.Linear)
+        spread = pooled.std(0)
+        scale = 1 / spread.clamp_min(max(1e-6, floor * float(spread.median())))
+        last.weight.mul_(scale[:, None])
+        last.bias.copy_((last.bias - pooled.mean(0)) * scale + 1)
+
+    def fold_first_layer(self) -> tuple[Tensor, Tensor]:
+        """First layer on (xyz, flags): weight (width, 2 + flags), bias (width,)."""
+        table = functional.linear(self.flag.weight, self.first.weight[:, 3:], self.first.bias)
+        return torch.cat([self.first.weight[:, :3], (table[1:] - table[0]).T], dim=1), table[0]
+
+    def _mlp(self, points: Tensor, weight: Tensor, bias: Tensor) -> Tensor:
+        """Features (..., width) of points (..., 2 + flags). The first layer stays fp32: bf16 would cost millimetres."""
+        x = functional.linear(points, weight, bias)
+        with torch.autocast(points.device.type, torch.bfloat16, enabled=self.bf16):
+            for layer in self.rest:
+                x = layer(functional.gelu(x))
+        return x.float()
+
+    def _plain_winners(self, clouds: Tensor, weight: Tensor, bias: Tensor) -> tuple[Tensor, Tensor]:
+        """Max of `_mlp` over points and its index, both (N, width)."""
+        values, index = self._mlp(clouds, weight, bias).max(dim=1)
+        return values, index
+
+    def _onednn_winners(self, clouds: Tensor, weight: Tensor, bias: Tensor) -> tuple[Tensor, Tensor]:
+        """`_plain_winners` by oneDNN, each GELU fused with the layer before it.
+
+        The last layer's product is laid out by channel, so that numpy finds the winners in rows (four times as fast as
+        torch, which looks at one number at a time); its bias is the same for all points of a channel.
+        """
+        fused, points = torch.ops.mkldnn._linear_pointwise, clouds
+        for layer in self.rest:
+            assert isinstance(layer, nn.Linear)
+            points = fused(points, weight, bias, "gelu", [], "none")
+            weight, bias = layer.weight, layer.bias
+        by_channel: Tensor = fused(weight, points.flatten(0, 1), None, "none", [], "").unflatten(1, clouds.shape[:2])
+        index = torch.from_numpy(by_channel.numpy().argmax(2))
+        return by_channel.gather(2, index[..., None]).squeeze(2).T + bias, index.T
+
+    @torch.no_grad()
+    def _winners(self, clouds: Tensor) -> tuple[Tensor, Tensor]:
+        """Max over points and its index, both (N, width), chunk by chunk; without gradient."""
+        weight, bias = self.fold_first_layer()
+        size = max(1, CHUNK_ELEMENTS[clouds.device.type] // (clouds.shape[1] * len(bias)))
+        onednn = ONEDNN and clouds.device.type == "cpu" and not self.bf16
+        find = self._onednn_winners if onednn else self._plain_winners
+        values, indices = zip(*(find(chunk, weight, bias) for chunk in clouds.split(size)), strict=True)
+        return torch.cat(values), torch.cat(indices)
 
 
 class PointCloudPolicy(TrainablePolicy):

@@ -2,14 +2,24 @@
 
 A renderer is a scene of its own; policies never see it. It has the Panda of `film_robot`: the policy's camera sees one
 of still fewer triangles.
+
+The stock Panda for films, with a fifth of its triangles: software rendering is bound by vertices.
 """
 
+import shutil
+import tempfile
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
 from typing import TypeVar
 
 import cv2
 import numpy as np
+import open3d
 import sapien
+import trimesh
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 from sapien.physx import PhysxArticulationLinkComponent as Link
@@ -17,12 +27,53 @@ from sapien.render import RenderDirectionalLightComponent as DirectionalLight
 from trimesh.bounds import corners
 
 from roomkin.stages.geometry.frames import invert_transform, transform_points
-from roomkin.stages.simulation.film_robot import film_urdf
 from roomkin.stages.simulation.framing import frame_all, intrinsics_of
 from roomkin.stages.simulation.loading import load_asset, move, remove
-from roomkin.stages.simulation.recording import Moment, Recording
 from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
-from roomkin.stages.simulation.room import Body, Room
+from roomkin.stages.simulation.robot import PANDA
+from roomkin.stages.simulation.room import Body, Moment, Recording, TaskRoom
+from roomkin.stages.simulation.shaders import cache_folder
+
+SHARE = 0.2  # of the triangles that are kept; chosen: a film looks the same
+CREASE = 0.6  # radians between two faces from which on their edge is sharp; chosen
+VERSION = 1  # of what is kept on a machine between runs; to be raised with any change here
+
+
+@cache
+def film_urdf() -> Path:
+    """Its URDF; it is made once on a machine."""
+    folder = cache_folder() / f"panda-film-{VERSION}"
+    if not folder.is_dir():
+        made = Path(tempfile.mkdtemp(dir=cache_folder()))
+        tree = ElementTree.parse(PANDA)
+        for mesh in tree.iter("mesh"):
+            path = PANDA.parent / str(mesh.get("filename"))
+            mesh.set("filename", str(path))
+            if path.suffix == ".glb":
+                thin_scene(path).export(made / path.name)
+                mesh.set("filename", str(folder / path.name))
+        (made / "panda.srdf").write_text(PANDA.with_suffix(".srdf").read_text(encoding="utf-8"), encoding="utf-8")
+        tree.write(made / "panda.urdf")
+        with suppress(OSError):  # another job was faster
+            made.rename(folder)
+        shutil.rmtree(made, ignore_errors=True)
+    return folder / "panda.urdf"
+
+
+def thin_scene(path: Path) -> trimesh.Scene:
+    """The meshes of a file with a share of their triangles, in their materials."""
+    scene = trimesh.load_scene(path)
+    for name, mesh in scene.geometry.items():
+        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        corners = open3d.utility.Vector3dVector(np.asarray(mesh.vertices))
+        solid = open3d.geometry.TriangleMesh(corners, open3d.utility.Vector3iVector(np.asarray(mesh.faces)))
+        solid = solid.simplify_quadric_decimation(max(12, round(SHARE * len(mesh.faces))))
+        thin = trimesh.Trimesh(np.asarray(solid.vertices), np.asarray(solid.triangles), process=False)
+        thin = trimesh.graph.smooth_shade(thin, angle=CREASE)
+        thin.visual = trimesh.visual.TextureVisuals(material=mesh.visual.material)
+        scene.geometry[name] = thin
+    return scene
+
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
@@ -180,7 +231,7 @@ def _add_surroundings(scene: sapien.Scene, feet: Sequence[Array], low: float) ->
     return blocks
 
 
-def _in_room(scene: sapien.Scene, room: Room, base: Array) -> list[Body]:
+def _in_room(scene: sapien.Scene, room: TaskRoom, base: Array) -> list[Body]:
     """The room, and a plinth beneath the robot."""
     plinth = [_plinth(scene, base, 0.0)] if base[0, 2] > 0.005 else []
     return [*room.load(scene).values(), *plinth]

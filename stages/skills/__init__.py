@@ -1,6 +1,6 @@
 """The skills that demonstrate the tasks (paper A.4): one folder each, over shared primitives.
 
-`attempts.py` tries again after a miss, `motion.py` moves the hand; `articulate.py` is what Open and Close share.
+`motion.py` moves the hand and tries again after a miss; `articulate.py` is what Open and Close share.
 Motions are planned in `stages/planning`.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from roomkin.stages.config.demonstrations import DemonstrationsConfig
+    from roomkin.stages.config.training import DemonstrationsConfig
     from roomkin.stages.tasks.api import EnvWrapper
 
 Float = NDArray[np.float32]

@@ -6,15 +6,12 @@ from collections.abc import Collection
 
 import numpy as np
 
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.planning.articulation import Plan, plan_articulation
-from roomkin.stages.planning.clearance import Surroundings
-from roomkin.stages.planning.handle_grasp import Grasp
-from roomkin.stages.planning.path import Pursuit
+from roomkin.stages.config.training import DemonstrationsConfig
+from roomkin.stages.planning.articulation import Grasp, Plan, plan_articulation
+from roomkin.stages.planning.clearance import Pursuit, Surroundings
 from roomkin.stages.simulation.kinematics import Array, pose_error
 from roomkin.stages.simulation.target import Target
-from roomkin.stages.skills.attempts import RetryingSkill
-from roomkin.stages.skills.motion import CLOSED, LOST, OPEN, Motion, Stall
+from roomkin.stages.skills.motion import CLOSED, LOST, OPEN, Motion, RetryingSkill, Stall
 from roomkin.stages.tasks.api import EnvWrapper
 
 

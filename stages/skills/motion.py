@@ -1,15 +1,25 @@
-"""The primitives of all skills: follow a path by pursuit, close and open the gripper, notice a miss, back off."""
+"""The primitives of all skills: follow a path by pursuit, close and open the gripper, notice a miss, back off.
 
+The base of our skills: tries once, and again after a miss while there is time.
+
+The chain of skills that demonstrates a task.
+"""
+
+from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
-from roomkin.stages.planning.clearance import CLEARANCE
-from roomkin.stages.planning.path import Pursuit, make_line
+from roomkin.stages.config.training import DemonstrationsConfig
+from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.planning.clearance import CLEARANCE, Pursuit, Surroundings, make_line
 from roomkin.stages.planning.rollout import TOLERANCE, measure_deviation
+from roomkin.stages.plugins import load, shorten_name
 from roomkin.stages.simulation.kinematics import Array, pose_error
 from roomkin.stages.simulation.robot import GRIPPER_OPEN
-from roomkin.stages.skills import FAR, Act
+from roomkin.stages.skills import FAR, Act, Outcome, SkillProtocol
 from roomkin.stages.tasks.api import EnvWrapper
 
 OPEN, CLOSED = 1.0, -1.0  # of the gripper's action
@@ -144,3 +154,65 @@ class Motion:
         while not self.open and not self.out_of_time:
             self.hold(OPEN, 1)
         return word
+
+
+class RetryingSkill(ABC):
+    """A subclass defines one attempt; `final` are the causes of failure after which no other attempt would succeed."""
+
+    final: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, task: EnvWrapper, options: DemonstrationsConfig) -> None:
+        self.task, self.options = task, options
+
+    @abstractmethod
+    def attempt(self, motion: Motion, number: int) -> str:
+        """One go from where everything stands, after `number` others; returns what failed or ''."""
+
+    def is_done(self) -> bool:
+        """Whether the goal is reached although the attempt failed, as by a flap that swings on."""
+        return False
+
+    def run(self, act: Act) -> Outcome:
+        """Try until it succeeds; `act` executes and records one action. A failure has the cause of the first try."""
+        motion = Motion(self.task, act)
+        causes: list[str] = []
+        while True:
+            cause = self.attempt(motion, len(causes))
+            if not cause:
+                return Outcome(True, "success", len(causes))
+            causes.append(cause)
+            if cause in self.final or motion.out_of_time:
+                return Outcome(False, causes[0], len(causes) - 1)
+            motion.retreat(self.options.pregrasp)
+            if self.is_done():
+                return Outcome(True, "success", len(causes))
+
+    def surroundings(self) -> Surroundings:
+        """Points on the task's object and on the obstacles around it; the object's are sampled once per size."""
+        env = self.task.env
+        return env.sample_surroundings().with_obstacles(
+            transform_points(invert_transform(env.base_from_asset()), env.obstacles())
+        )
+
+    def joint(self) -> float:
+        """The value of the target joint as it stands."""
+        target = self.task.env.target
+        return target.lower + float(np.clip(self.task.opened, 0.0, 1.0)) * (target.upper - target.lower)
+
+
+class SkillChain:
+    """The skills that a task names, made once per task; they run one after the other."""
+
+    def __init__(self, task: EnvWrapper, options: DemonstrationsConfig) -> None:
+        self.task = task
+        self.skills: list[SkillProtocol] = [load("skills", name)(task, options) for name in task.task.skills]
+
+    def run(self, act: Act) -> Outcome:
+        """Do the task from where everything stands; the first skill that fails names the cause."""
+        outcome = Outcome(True, "success")
+        for name, skill in zip(self.task.task.skills, self.skills, strict=True):
+            outcome = skill.run(act)
+            if not outcome.success:
+                several = len(self.skills) > 1
+                return replace(outcome, cause=f"{shorten_name(name)}_{outcome.cause}") if several else outcome
+        return outcome if self.task.success else Outcome(False, "not_successful")

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from roomkin.stages.contracts.parts import FRONTS
-from roomkin.stages.contracts.training_sets import is_randomised, is_set, read_set, strip_randomised
+from roomkin.stages.contracts.policy_config import is_randomised, is_set, read_set, strip_randomised
 
 TASKS = {front: f"{front} opening".capitalize() for front in FRONTS} | {"put_away_bowl": "Putting away bowl"}
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets

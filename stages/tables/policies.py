@@ -11,12 +11,10 @@ from roomkin.stages.config.tables import PolicyTables
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.tables import policy_tables, table3
 from roomkin.stages.tables.cells import CELL, ROW
-from roomkin.stages.tables.drawing import save, style
+from roomkin.stages.tables.figures import Panels, figure4, figure9, save, style
 from roomkin.stages.tables.markup import Table
-from roomkin.stages.tables.methods import join_published, kinds_of, read_rollouts
-from roomkin.stages.tables.policy_figures import Panels, figure4, figure9
-from roomkin.stages.tables.policy_notes import policy_notes
-from roomkin.stages.tables.pooling import pool_rollouts
+from roomkin.stages.tables.methods import join_published, kinds_of, pool_rollouts, read_rollouts
+from roomkin.stages.tables.policy_tables import policy_notes
 from roomkin.stages.tables.rows import published_policies, published_runs
 from roomkin.stages.tables.writing import write, write_csv
 

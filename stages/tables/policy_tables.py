@@ -1,19 +1,31 @@
-"""Table 3 as text."""
+"""Table 3 as text.
+
+What tables of policies say below: what is pooled, and what policies are given that a real robot would not have.
+"""
 
 from collections.abc import Sequence
 from typing import Any
 
 import pandas as pd
 
-from roomkin.stages.config.tables import TablesConfig
-from roomkin.stages.contracts.words import count
+from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.contracts.errors import count
+from roomkin.stages.plugins import shorten_name
 from roomkin.stages.tables.cells import CELL
 from roomkin.stages.tables.markup import Table, read_notes
-from roomkin.stages.tables.methods import Kinds
+from roomkin.stages.tables.methods import Kinds, kinds_of
 from roomkin.stages.tables.order import CLOUDS, set_key, target_title, title
 from roomkin.stages.tables.rows import records
 from roomkin.stages.tables.scene_tables import format_confidence
 from roomkin.stages.tables.text import NOT_RUN, cell, interval, number, percent
+
+
+def policy_notes(options: PolicyTables) -> list[str]:
+    """The notes of a run, as far as its options are known."""
+    kinds, sensing = kinds_of(options), options.sensing
+    pooled = [kinds.get(name, name) for name, about in options.policies.items() if (about.best or 0) > 1]
+    simulator = shorten_name(sensing.simulator) if sensing else ""
+    return read_notes("policies", pooled=pooled, sensing=sensing, starts=options.starts, simulator=simulator)
 
 
 def _format_rate(row: dict[str, Any]) -> tuple[str, str]:

@@ -7,9 +7,8 @@ from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.contracts.policies import SceneScore
 from roomkin.stages.tables import table2
-from roomkin.stages.tables.drawing import save, style
+from roomkin.stages.tables.figures import figure6, save, style
 from roomkin.stages.tables.rows import ONE_SCENE, published_scenes, read_rows
-from roomkin.stages.tables.scene_figure import figure6
 from roomkin.stages.tables.scene_tables import scenes_table
 from roomkin.stages.tables.writing import write
 

@@ -13,14 +13,14 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from roomkin.stages.config.demonstrations import RandomiseOptions
+from roomkin.stages.config.training import RandomiseOptions
 from roomkin.stages.contracts import Asset, InputError, read_json
 from roomkin.stages.contracts.errors import ObjectError
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.plugins import load
 from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.simulation.robot import panda_chain
-from roomkin.stages.simulation.room import Room
+from roomkin.stages.simulation.room import TaskRoom
 from roomkin.stages.tasks.observation import Observation, Sensing
 from roomkin.stages.tasks.task import Task
 
@@ -72,7 +72,7 @@ class EnvWrapper:
         render: bool = True,
         cache: Path | None = None,
         vary_scale: bool = True,
-        room: Room | None = None,
+        room: TaskRoom | None = None,
         randomise: RandomiseOptions | None = None,
         sensing: Sensing | None = None,
     ) -> None:

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.config.training import DemonstrationsConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points
 from roomkin.stages.planning.articulation import choose_open_goals, plan_articulation
 from roomkin.stages.planning.clearance import BASE, Surroundings

@@ -13,23 +13,20 @@ from mani_skill.utils.structs import Articulation
 from mani_skill.utils.structs.types import SceneConfig, SimConfig
 from numpy.typing import NDArray
 
-from roomkin.stages.config.demonstrations import RandomiseOptions
-from roomkin.stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
+from roomkin.stages.config.training import RandomiseOptions
+from roomkin.stages.contracts.policy_config import SIMULATION_FREQUENCY, TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 from roomkin.stages.planning.clearance import Surroundings
 from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.simulation.loading import ParsedAsset, load_asset, physics_scene, set_joint_dynamics
-from roomkin.stages.simulation.poses import batch_poses
 from roomkin.stages.simulation.rendering import render_backend
-from roomkin.stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
-from roomkin.stages.simulation.room import Room
+from roomkin.stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale, batch_poses
+from roomkin.stages.simulation.room import TaskRoom
 from roomkin.stages.simulation.target import Target, descends, read_target
 from roomkin.stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
-from roomkin.stages.tasks.cameras import Camera, shoulder
-from roomkin.stages.tasks.filmed import FilmedEnv
+from roomkin.stages.tasks.filmed import FilmedEnv, randomise, sample_factors
 from roomkin.stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
-from roomkin.stages.tasks.observation import CameraRig, Observation, Sensing
-from roomkin.stages.tasks.randomised import randomise, sample_factors
+from roomkin.stages.tasks.observation import Camera, CameraRig, Observation, Sensing, shoulder
 from roomkin.stages.tasks.task import Task
 
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
@@ -71,7 +68,7 @@ class OpenTaskEnv(FilmedEnv):
         robot_uids: str = "acdc_panda",
         vary_scale: bool = True,
         randomise: RandomiseOptions | dict[str, Any] | None = None,
-        room: Room | None = None,
+        room: TaskRoom | None = None,
         sensing: Sensing | None = None,
         obs_mode: str = "pointcloud",
         **kwargs: Any,

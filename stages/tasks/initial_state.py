@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts.library import Asset
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 Array = NDArray[np.float64]

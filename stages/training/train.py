@@ -16,8 +16,7 @@ from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_options, write_json, write_text
 from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.policy_folder import CHECKPOINTS
-from roomkin.stages.contracts.trained import TrainedPolicy
+from roomkin.stages.contracts.trained import CHECKPOINTS, TrainedPolicy
 from roomkin.stages.plugins import find_options, parse_kwargs, qualify_module
 from roomkin.stages.policies.base import make_policy
 from roomkin.stages.policies.checkpoint import FILES, save_weights
@@ -28,9 +27,7 @@ from roomkin.stages.training.dataset import (
     read_demonstrations,
     split_episodes,
 )
-from roomkin.stages.training.logbook import Line, Logbook
-from roomkin.stages.training.loop import Setting, optimise
-from roomkin.stages.training.state import TrainingState
+from roomkin.stages.training.state import Line, Logbook, Setting, TrainingState, optimise
 
 WANDB_FOLDER = Path("logs/training")  # its runs are named by time: nothing for results/
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import by_clicks, pairs, pictures, tables
 from benchmarks.open_rooms.by_clicks import BOX, DELETE, Effort
-from roomkin.stages.contracts.corrections import Corrections
 from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.hand import Corrections
 from roomkin.stages.contracts.scenes import Annotation
 from tests.benchmarks.test_open_rooms import TRUE, row
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.encoders import Change, Kept, drain, read_rivals, to_unit
+from benchmarks.encoders import Change, KeptRows, drain, read_rivals, to_unit
 from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.matching.encoders import EXTRA_COLUMNS, make_encoder
 from tests.unit.matching_data import view_of_box
@@ -26,7 +26,7 @@ def test_features_become_unit_vectors_and_places_stay() -> None:
 
 
 def test_a_picture_is_encoded_once(tmp_path: Path) -> None:
-    kept = Kept(make_encoder(EncoderOptions()), tmp_path, Change(position=0.5))
+    kept = KeptRows(make_encoder(EncoderOptions()), tmp_path, Change(position=0.5))
     first = kept.rows("one", lambda: view_of_box(0.4))
     again = kept.rows("one", lambda: pytest.fail("it was read again"))
     assert (first == again).all() and kept.encoded == 1

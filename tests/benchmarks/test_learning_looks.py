@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from benchmarks.name_training.looks import share_out_of_fold, train_head
-from benchmarks.name_training.outlines import NONE, OWN, Outlines, join, vary
+from benchmarks.name_training.outlines import NONE, OWN, TrainingOutlines, join, vary
 from benchmarks.name_training.rooms import make_pool
 from benchmarks.name_training.solids import JUNK
 from benchmarks.open_rooms import crowd, packs, rooms, views
@@ -32,7 +32,9 @@ def test_the_layer_learns_names_and_any_of_several_right_ones_will_do() -> None:
 
 def test_a_model_is_named_by_heads_that_have_not_seen_it() -> None:
     looks, right = draw(80, 2)
-    seen = Outlines(np.array([f"model_{k}" for k in range(80)]), np.array(["mug"] * 80), np.full(80, OWN), right, looks)
+    seen = TrainingOutlines(
+        np.array([f"model_{k}" for k in range(80)]), np.array(["mug"] * 80), np.full(80, OWN), right, looks
+    )
     lied = right.copy()
     lied[0] = np.roll(right[0], 1)  # the only outline of its model: nobody can have learnt the lie
     share = share_out_of_fold(seen, lied)
@@ -41,7 +43,7 @@ def test_a_model_is_named_by_heads_that_have_not_seen_it() -> None:
 
 def test_what_is_right_is_told_by_kinds() -> None:
     looks, said = np.zeros((2, 512), np.float32), np.zeros((2, 3, 3), np.float32)
-    one = Outlines(np.array(["a", ""]), np.array(["sofa", NONE]), np.array([0, 1]), said, looks)
+    one = TrainingOutlines(np.array(["a", ""]), np.array(["sofa", NONE]), np.array([0, 1]), said, looks)
     pipes = one._replace(kind=np.array(["pipes", "mug"]))
     found = [NAMES[each.argmax()] for each in join([one, pipes]).right(NAMES)]
     assert found == ["sofa", NONE, NONE, "mug"]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from benchmarks.name_training.pictures import BACKGROUND, GROUND, NOTHING, Picture, pictures_in
-from benchmarks.name_training.rooms import FLOOR, WALL, Pool, Room, furnish, make_pool
+from benchmarks.name_training.pictures import BACKGROUND, GROUND, NOTHING, TrainingPicture, pictures_in
+from benchmarks.name_training.rooms import FLOOR, WALL, MadeRoom, Pool, furnish, make_pool
 from roomkin.stages.geometry.cameras import back_project
 from roomkin.stages.geometry.frames import transform_points
 
@@ -15,16 +15,16 @@ def pool() -> Pool:
 
 
 @pytest.fixture(scope="module")
-def rooms(pool: Pool) -> list[Room]:
+def rooms(pool: Pool) -> list[MadeRoom]:
     return [furnish(pool, np.random.default_rng(seed)) for seed in range(12)]
 
 
-def test_rooms_are_the_same_every_time(pool: Pool, rooms: list[Room]) -> None:
+def test_rooms_are_the_same_every_time(pool: Pool, rooms: list[MadeRoom]) -> None:
     again = furnish(pool, np.random.default_rng(3))
     assert [thing.position.tolist() for thing in again.things] == [thing.position.tolist() for thing in rooms[3].things]
 
 
-def test_things_stand_on_what_carries_them(rooms: list[Room]) -> None:
+def test_things_stand_on_what_carries_them(rooms: list[MadeRoom]) -> None:
     carried = 0
     for room in rooms:
         for thing in room.things:
@@ -42,11 +42,11 @@ def test_things_stand_on_what_carries_them(rooms: list[Room]) -> None:
 
 
 @pytest.fixture(scope="module")
-def pictures(rooms: list[Room]) -> list[Picture]:
+def pictures(rooms: list[MadeRoom]) -> list[TrainingPicture]:
     return [picture for seed, room in enumerate(rooms) for picture in pictures_in(room, 2, np.random.default_rng(seed))]
 
 
-def test_the_ground_is_level_and_things_are_above_it(pictures: list[Picture]) -> None:
+def test_the_ground_is_level_and_things_are_above_it(pictures: list[TrainingPicture]) -> None:
     tables = 0
     for picture in pictures:
         height = transform_points(picture.frame, back_project(picture.depth, picture.intrinsics))[..., 2]

@@ -8,8 +8,16 @@ import pytest
 import torch
 
 from benchmarks.name_training import dirt, learn
-from benchmarks.name_training.draw import Examples, draw_examples, find_wholes, list_names, name_kind
-from benchmarks.name_training.learn import Options, train, vary
+from benchmarks.name_training.learn import (
+    Examples,
+    Options,
+    draw_examples,
+    find_wholes,
+    list_names,
+    name_kind,
+    train,
+    vary,
+)
 from benchmarks.name_training.pictures import pictures_in, sense_depth
 from benchmarks.name_training.rooms import furnish, make_pool
 from benchmarks.name_training.solids import JUNK, make_junk

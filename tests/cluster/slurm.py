@@ -17,7 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from roomkin.plugins.ops.guard import descendants
-from roomkin.plugins.ops.lock import WORKFLOW, Holder
+from roomkin.plugins.ops.queue import WORKFLOW, Holder
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 NODES = ("n1", "n2")

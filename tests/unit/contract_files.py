@@ -15,8 +15,7 @@ from safetensors.numpy import save_file
 from roomkin.stages.contracts.__main__ import main
 from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.kinds import KINDS
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from tests.unit.demo_assets import FRONT
 
 WIDTH, HEIGHT = 48, 36

@@ -9,12 +9,11 @@ import numpy as np
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts import Asset
 from roomkin.stages.contracts.objects import Mounting, Wall
-from roomkin.stages.generation.choosing import choose_models
 from roomkin.stages.generation.collisions import resolve_collisions
-from roomkin.stages.generation.doubts import doubt_placements
 from roomkin.stages.generation.inputs import Inputs
 from roomkin.stages.generation.placed import Placed, Prism
-from roomkin.stages.generation.placing import Places
+from roomkin.stages.generation.placing import Places, choose_models
+from roomkin.stages.generation.scene_file import doubt_placements
 from roomkin.stages.generation.stacking import assign_supports
 from roomkin.stages.geometry.boxes import UprightBox
 

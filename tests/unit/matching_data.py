@@ -15,8 +15,8 @@ from roomkin.stages.contracts import Cousins, Library, Objects, SnapshotShard, r
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
 from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.geometry.crop import View
 from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.features import run as features
 from roomkin.stages.matching.match import run as match
 
@@ -189,15 +189,15 @@ class World:
 
 def view_of_box(
     yaw: float, elevation: float = 0.3, distance: float = 3.0, offset: float = 0.0, side: int = 128
-) -> View:
+) -> ObjectView:
     intrinsics = intrinsics_from_fov(side, side, 0.8)
     eye = distance * np.array([np.cos(elevation), 0, np.sin(elevation)])
     pose = look_at(eye, [0, offset * distance, 0])
     rgb, depth = trace_box((0.6, 1.0, 0.8), yaw, (2, 1), pose, intrinsics, side, side)
-    return View(rgb, depth > 0, depth, intrinsics, pose[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
+    return ObjectView(rgb, depth > 0, depth, intrinsics, pose[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
 
 
-def before_noise(view: View) -> View:
+def before_noise(view: ObjectView) -> ObjectView:
     """The same object before a background of random colors."""
     noise = np.random.default_rng(0).integers(0, 255, view.rgb.shape, dtype=np.uint8)
     return replace(view, rgb=np.where(view.mask[..., None], view.rgb, noise))

@@ -3,9 +3,8 @@
 from functools import cache
 
 from roomkin.plugins.furniture.catalogue import sample
-from roomkin.plugins.furniture.folder import generate
-from roomkin.plugins.furniture.robot import robot_of
-from roomkin.stages.articulated.part_types import contract_joints
+from roomkin.plugins.furniture.folder import generate, robot_of
+from roomkin.stages.articulated.asset_folder import contract_joints
 from roomkin.stages.config.assets import AssetsConfig
 from roomkin.stages.contracts import Asset
 

@@ -11,12 +11,12 @@ from pydantic import BaseModel
 
 from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
+from roomkin.stages.contracts.doubt import Provenance
 from roomkin.stages.contracts.files import read_json, write_json
 from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
 from roomkin.stages.contracts.library import Library, LibraryEntry, SnapshotShard
 from roomkin.stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from roomkin.stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
-from roomkin.stages.contracts.provenance import Provenance
 from tests.unit.demo_assets import FRONT
 
 VIEWER = Path(__file__).parents[2] / "plugins/report/page/three/three.min.js"

@@ -3,7 +3,7 @@
 from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from roomkin.stages.contracts.library import Library
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.matching.affordances import describe_counts, note_differences
+from roomkin.stages.matching.deciding import describe_counts, note_differences
 from roomkin.stages.matching.match import describe_doubts
 from tests.unit.test_matching_labels import entry
 

@@ -10,23 +10,29 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from roomkin.plugins.furniture.handles import STYLES, Style
+from roomkin.plugins.furniture.fronts import STYLES, Style
+from roomkin.stages.articulated.affordance import handle_extents
 from roomkin.stages.articulated.asset_folder import (
     Description,
+    assign_part_types,
     atomic_folder,
+    contract_joints,
     read_asset,
     read_model,
     write_asset,
 )
-from roomkin.stages.articulated.attributes import merge_visuals
-from roomkin.stages.articulated.forward_kinematics import change_root, link_frames, measure_closed_box
-from roomkin.stages.articulated.handle import find_handle
-from roomkin.stages.articulated.handle_extents import handle_extents
+from roomkin.stages.articulated.handle import find_handle, merge_visuals
 from roomkin.stages.articulated.mesh_reader import texture_of
-from roomkin.stages.articulated.model import Link, RobotModel, Texture, Visual
-from roomkin.stages.articulated.part_types import assign_part_types, contract_joints
-from roomkin.stages.articulated.resizing import resize_model
-from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.articulated.model import (
+    Link,
+    RobotModel,
+    Texture,
+    Visual,
+    change_root,
+    link_frames,
+    measure_closed_box,
+)
+from roomkin.stages.articulated.resizing import resize_model, stretch_model
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.articulated.urdf_tree import UrdfTree
 from roomkin.stages.articulated.urdf_writer import write_urdf
@@ -114,7 +120,7 @@ def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
 
 
 def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Path) -> None:
-    from roomkin.plugins.importing.inertia_repair import with_mass
+    from roomkin.plugins.importing.repairs import with_mass
 
     robot = read_urdf(write_cabinet(tmp_path), tmp_path)
     heavy = with_mass(robot, 3 * robot.mass)

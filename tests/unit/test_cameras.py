@@ -11,15 +11,15 @@ from mani_skill.utils.wrappers.gymnasium import CPUGymWrapper
 
 import roomkin.stages.tasks  # noqa: F401
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, transform_points
-from roomkin.stages.simulation.depth_shaders import PICTURE, depth_shaders
 from roomkin.stages.simulation.loading import load_asset
+from roomkin.stages.simulation.observation import PICTURE, depth_shaders
 from roomkin.stages.simulation.rendering import make_scene
 from roomkin.stages.simulation.shaders import make_skyless_pack
-from roomkin.stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from roomkin.stages.tasks.door import TASK
 from roomkin.stages.tasks.environment import OpenTaskEnv
+from roomkin.stages.tasks.observation import WRIST, Camera, other_shoulder, shoulder
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(points=256, camera_size=64)

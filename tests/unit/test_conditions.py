@@ -7,11 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from roomkin.stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.evaluation.vector_env import make_sensing, move_robot
 from roomkin.stages.tasks.api import EnvWrapper
-from roomkin.stages.tasks.cameras import displace_pose
-from roomkin.stages.tasks.observation import Sensing, with_noise
+from roomkin.stages.tasks.observation import Sensing, displace_pose, with_noise
 from tests.unit.demo_assets import cabinet
 
 SEED = 2**31 + 3

@@ -1,7 +1,7 @@
 """What is left to the size of the library."""
 
+from roomkin.stages.config.commands import fill_counts
 from roomkin.stages.config.model import Config, load
-from roomkin.stages.config.sizes import fill_counts
 
 
 def test_a_small_library_is_exact_and_a_large_one_compressed_and_shortlisted() -> None:

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from roomkin.stages.contracts import Camera, read_json, read_options, write_atomically, write_json
 from roomkin.stages.contracts.__main__ import main
-from roomkin.stages.contracts.checksums import digest_of
+from roomkin.stages.contracts.files import digest_of
 from roomkin.stages.contracts.hand import digest_of_picture
 from roomkin.stages.contracts.policies import Attempt
 from tests.refusals import refused

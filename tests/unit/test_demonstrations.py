@@ -10,15 +10,14 @@ import numpy as np
 import pytest
 
 from roomkin.stages.articulated.urdf_writer import SURFACE_FRICTION
-from roomkin.stages.config.demonstrations import RandomiseOptions
+from roomkin.stages.config.training import RandomiseOptions
 from roomkin.stages.contracts import Attempt, InputError, TaskAssets, write_json
-from roomkin.stages.contracts.episode_store import read_episodes
-from roomkin.stages.contracts.ledgers import read_attempts
+from roomkin.stages.contracts.episode_store import read_attempts, read_episodes
 from roomkin.stages.contracts.library_folder import write_part
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.collect import attempt_seeds, run
 from roomkin.stages.tasks.api import EnvWrapper
-from roomkin.stages.tasks.randomised import sample_factors
+from roomkin.stages.tasks.filmed import sample_factors
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
 

@@ -5,14 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roomkin.stages.config.extraction import DepthNoiseConfig, ExtractionConfig
+from roomkin.stages.config.inputs import DepthNoiseConfig, ExtractionConfig
 from roomkin.stages.contracts import Annotations, InputError, Objects
 from roomkin.stages.contracts.files import parse_json
 from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError
 from roomkin.stages.contracts.scenes import Annotation
-from roomkin.stages.extraction.depth_error import Surface, measure_error
-from roomkin.stages.extraction.noise import noisy_depth
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.depth_error import PlanarPatch, measure_error
+from roomkin.stages.extraction.noise import AnnotatedImage, noisy_depth
 from roomkin.stages.extraction.reconstruct import reconstruct
 from roomkin.stages.extraction.sources.folder import observe
 from roomkin.stages.geometry.boxes import UprightBox
@@ -56,9 +55,9 @@ def test_what_a_camera_measured_errs_as_floor_and_walls_are_uneven(named: bool) 
 def test_planes_seen_at_a_grazing_angle_or_hardly_at_all_tell_nothing() -> None:
     rng, eye, up = np.random.default_rng(0), np.array([0, 0, 1.5]), np.array([0, 0, 1.0])
     far, few = rng.uniform([20, -1, -0.1], [30, 1, 0.1], (4000, 3)), rng.uniform([1, -1, -0.1], [3, 1, 0.1], (99, 3))
-    assert measure_error([Surface(far, up, 0.0), Surface(few, up, 0.0)], eye) is None
+    assert measure_error([PlanarPatch(far, up, 0.0), PlanarPatch(few, up, 0.0)], eye) is None
     heap = rng.uniform([1, -1, -0.9], [3, 1, 0.9], (4000, 3))
-    assert measure_error([Surface(heap, up, 0.0)], eye) is None
+    assert measure_error([PlanarPatch(heap, up, 0.0)], eye) is None
 
 
 def test_who_does_not_say_it_has_the_usual_error() -> None:

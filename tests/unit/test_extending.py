@@ -20,11 +20,11 @@ from roomkin.plugins.scenes.layout import arrange
 from roomkin.plugins.scenes.room_files import read_room, room_files
 from roomkin.stages.config import code
 from roomkin.stages.config.assets import AssetsConfig
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.config.model import load, merge_mappings, with_defaults
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import InputError, Library, LibraryPart, Objects, read_json, write_json
-from roomkin.stages.contracts.policy_folder import read_config
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
+from roomkin.stages.contracts.trained import read_config
 from roomkin.stages.demonstrations.attempt import Recorder
 from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.geometry.boxes import UprightBox
@@ -33,8 +33,8 @@ from roomkin.stages.plugins import load as implementation
 from roomkin.stages.policies.checkpoint import load_network
 from roomkin.stages.tasks.api import EnvWrapper
 from roomkin.stages.tasks.base_placement import CLOSED
-from roomkin.stages.training import loop
-from roomkin.stages.training.logbook import Logbook
+from roomkin.stages.training import state
+from roomkin.stages.training.state import Logbook
 from roomkin.stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import write_store
@@ -356,7 +356,7 @@ def test_a_policy_without_parameters_is_fitted_alone(
         assert read_config(tmp_path / out).parameters == 0 and read_config(tmp_path / out).learned
         return dict(load_network(tmp_path / out, "best").state_dict())
 
-    monkeypatch.setattr(loop, "SAVE_FREQ", 1)
+    monkeypatch.setattr(state, "SAVE_FREQ", 1)
     whole = fitted("whole")
     assert whole["hands"].std(0).min() > 0
     with monkeypatch.context() as patch:

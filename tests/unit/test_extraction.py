@@ -11,14 +11,14 @@ import cv2
 import numpy as np
 import pytest
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.config.packages import load_command
 from roomkin.stages.contracts import Objects, read_json
 from roomkin.stages.contracts.__main__ import main as check_contract
-from roomkin.stages.contracts.checksums import digest_of
+from roomkin.stages.contracts.files import digest_of
 from roomkin.stages.contracts.objects import Mounting
 from roomkin.stages.extraction.extract import merge_own_options, run
-from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.noise import read_folder
 from roomkin.stages.geometry.boxes import UprightBox, oriented_iou
 from roomkin.stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_of_matrix
 from tests.packages import needs

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.extraction.clouds import make_object_cloud
 from roomkin.stages.extraction.contact import DepthView
 from roomkin.stages.geometry.masks import erode

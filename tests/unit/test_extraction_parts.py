@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from roomkin.stages.config.extraction import DepthNoiseConfig, ExtractionConfig
+from roomkin.stages.config.inputs import DepthNoiseConfig, ExtractionConfig
 from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Wall, object_ids
 from roomkin.stages.extraction import clouds, noise
 from roomkin.stages.extraction.clouds import clean_cloud, continue_depth

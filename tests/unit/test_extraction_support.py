@@ -10,13 +10,13 @@ from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.category import find_category, may_stand_on
 from roomkin.stages.contracts.objects import USUAL_ERROR, SceneObject, Wall
 from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.extraction.clouds import find_carrying_heights, find_level, is_uppermost
 from roomkin.stages.extraction.contact import DepthView, make_gap
-from roomkin.stages.extraction.levels import find_carrying_heights, find_level, is_uppermost
 from roomkin.stages.extraction.mounting import end_near, mount_objects, place_object
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.objects import MeasuredObject
-from roomkin.stages.extraction.observation import AnnotatedImage
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.minimum_box import minimum_box
+from roomkin.stages.geometry.clouds import minimum_box
 
 KNOWN = known_categories()
 LOOKING_ALONG_X = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1.0]])

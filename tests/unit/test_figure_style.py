@@ -2,7 +2,7 @@
 
 import matplotlib
 
-from roomkin.stages.tables.drawing import style
+from roomkin.stages.tables.figures import style
 
 
 def test_settings_of_the_user_do_not_reach_figures() -> None:

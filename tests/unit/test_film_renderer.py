@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.simulation.film_renderer import HAND_SHARE, LIT, FilmRenderer, Shot, directions, pick_evenly
 from roomkin.stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
 from roomkin.stages.tasks.api import EnvWrapper

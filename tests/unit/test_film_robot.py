@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from roomkin.stages.simulation.film_robot import SHARE, thin_scene
+from roomkin.stages.simulation.film_renderer import SHARE, thin_scene
 from roomkin.stages.simulation.robot import PANDA
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from roomkin.stages.articulated.inside import find_inside, is_link_out
+from roomkin.stages.articulated.mesh_resolver import find_inside, is_link_out
 
 
 @pytest.mark.parametrize("form", ["NFC", "NFD"])

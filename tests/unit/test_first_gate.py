@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.collect import run as collect
-from roomkin.stages.evaluation.episodes import roll_out
 from roomkin.stages.evaluation.states import FIRST_STATE
+from roomkin.stages.evaluation.vector_env import roll_out
 from roomkin.stages.policies.base import TrainablePolicy, make_policy
 from roomkin.stages.policies.checkpoint import load_network
 from roomkin.stages.tasks.api import EnvWrapper

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts import Annotations
 from roomkin.stages.contracts.objects import Box, SceneObject
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.extraction.camera_height import doubt_height, doubt_unit
 from roomkin.stages.extraction.floor import check_frame, find_floor_frame, find_unnamed_floor, fit_shown_floor
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.reconstruct import ExtractedScene, reconstruct
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import PointMap
@@ -88,7 +88,7 @@ def test_a_floor_above_the_camera_is_none() -> None:
 
 def test_a_room_that_cannot_be_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     behind = WallPlane(np.array([-1.0, 0, 0]), 1.0, 100)  # the camera is behind this wall
-    monkeypatch.setattr("roomkin.stages.extraction.walls.fit_wall", lambda *_: behind)
+    monkeypatch.setattr("roomkin.stages.extraction.floor.fit_wall", lambda *_: behind)
     with refused("E-ROOM-BROKEN", "the camera is behind 'wall_1'"):
         extracted(None)
 

@@ -6,7 +6,7 @@ import pytest
 
 from roomkin.stages.contracts.categories import WORDS, category_in, foreign_words, known_categories
 from roomkin.stages.contracts.category import find_category
-from roomkin.stages.contracts.words import list_plain_words, plain_letters
+from roomkin.stages.contracts.errors import list_plain_words, plain_letters
 
 CHAIRS = """Stuhl Stühle chaise chaises silla sillas sedia sedie cadeira cadeiras stoel stoelen stolar tuoli tuolit
 krzesło krzesła židle scaun scaune szék székek stolica stolice sandalye kursi ghế стул стулья стілець крэсла

@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from roomkin.stages.config.generation import GenerationConfig
-from roomkin.stages.contracts.corrections import Correction
 from roomkin.stages.contracts.cousins import Cousin, Orientation
 from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.generation.choosing import choose, choose_by_rank, find_synonyms
 from roomkin.stages.generation.inputs import MatchedObject
 from roomkin.stages.generation.placed import Placed
-from roomkin.stages.generation.placing import Places
+from roomkin.stages.generation.placing import Places, choose, choose_by_rank, find_synonyms
 from tests.unit.generation_scenes import thing
 
 

@@ -9,7 +9,7 @@ from shapely import Point
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.generation import collisions
 from roomkin.stages.generation.collisions import forbidden_shifts, resolve_collisions
-from roomkin.stages.generation.mounting import move_out_of_walls
+from roomkin.stages.generation.turning import move_out_of_walls
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from tests.unit.generation_scenes import BACK, solid, thing, upright
 

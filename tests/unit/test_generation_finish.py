@@ -9,11 +9,11 @@ import pytest
 
 from roomkin.stages.articulated.asset_folder import read_model
 from roomkin.stages.contracts import GeneratedScene, read_json
+from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.contracts.images import read_masks
 from roomkin.stages.contracts.library_folder import AssetFolders
-from roomkin.stages.contracts.look import GAMMA
-from roomkin.stages.generation.finishing import find_main_color, paint
 from roomkin.stages.generation.generate import run
+from roomkin.stages.generation.models import find_main_color, paint
 from roomkin.stages.generation.scene_file import read_items
 from tests.refusals import refused
 from tests.unit.generation_scenes import thing

@@ -12,12 +12,11 @@ from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts.category import Category, SizeSpread
 from roomkin.stages.contracts.objects import DepthError, Wall
 from roomkin.stages.generation import sizing
-from roomkin.stages.generation.fitting import TOO_SURE, Observation, Prior, find_correspondences, fit_box
-from roomkin.stages.generation.solid import Solid
+from roomkin.stages.generation.sizing import TOO_SURE, Prior, SeenObject, VisibleSolid, find_correspondences, fit_box
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from roomkin.stages.geometry.cameras import back_project, intrinsics_from_fov
 from roomkin.stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix
-from roomkin.stages.geometry.outlines import Outline, measure_outline
+from roomkin.stages.geometry.masks import Outline, measure_outline
 from roomkin.stages.geometry.solids import find_outermost
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
@@ -33,7 +32,7 @@ TRUE = UprightBox([3.2, 0.2, 0.35], [0.5, 0.9, 0.7], np.pi - 0.3)
 BLOCK = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 
 
-class Block(Solid):
+class Block(VisibleSolid):
     """A model that fills its box."""
 
     def __init__(self) -> None:
@@ -78,11 +77,11 @@ def outline_of(mask: np.ndarray, depth: Array, inside: np.ndarray) -> Outline:
     return measure_outline(mask, np.where(floor, np.inf, depth), inside, lambda far: 3 * ERROR.predict(far))
 
 
-def see(picture: Picture, mask: np.ndarray | None = None) -> Observation:
+def see(picture: Picture, mask: np.ndarray | None = None) -> SeenObject:
     mask = picture.mask if mask is None else mask
     points = transform_points(POSE, back_project(picture.depth, K)[mask])[::7]
     outline = outline_of(mask, picture.depth, np.ones_like(mask))
-    return Observation(POSE, K, outline, points, ERROR)
+    return SeenObject(POSE, K, outline, points, ERROR)
 
 
 def known(native=(0.5, 0.9, 0.7), **values) -> Prior:
@@ -107,7 +106,7 @@ def test_a_box_seen_whole_is_found_from_a_wrong_start() -> None:
 def test_points_whose_rays_miss_the_model_count_by_how_far_they_are_off() -> None:
     box = UprightBox([0.0, 0.0, 0.0], [2.0, 1.0, 1.0], 0.0)
     points = np.array([[0.2, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 0.9, 0.0]])
-    seen = Observation(make_transform(np.eye(3), [0.0, 0.0, 3.0]), K, None, points, ERROR)
+    seen = SeenObject(make_transform(np.eye(3), [0.0, 0.0, 3.0]), K, None, points, ERROR)
     on = find_correspondences(Block(), seen, box)
     np.testing.assert_allclose(on.points * box.size, [[1 / 6, 0, 0.5], [1, 0, 0], [0, 0.5, 0]], atol=1e-5)
     across = on.normals / box.size
@@ -129,7 +128,7 @@ def test_what_the_border_cuts_is_as_large_as_usual_and_its_spread_says_so() -> N
     whole = see(picture)
     inside = outline_of(picture.mask & left, picture.depth, left)
     points = transform_points(POSE, back_project(picture.depth, K)[picture.mask & left])[::7]
-    cut = Observation(POSE, K, inside, points, ERROR)
+    cut = SeenObject(POSE, K, inside, points, ERROR)
     usual = SizeSpread(np.log([0.5, 0.9, 0.7]), 0.15**2 * np.eye(3))
     seen_half = UprightBox(points.mean(axis=0) * [1, 1, 0] + [0, 0, 0.35], [0.5, 0.45, 0.7], TRUE.yaw)
     fit = fit_box(Block(), seen_half, cut, known(usual=usual))
@@ -196,13 +195,15 @@ def test_sizes_of_a_category_have_a_mean_and_a_spread() -> None:
 def test_a_solid_is_where_the_model_is(tmp_path: Path) -> None:
     cabinet(tmp_path / "cabinet")
     sides = np.array([[0.0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
-    away = Solid(tmp_path / "cabinet").scene.cast_rays(np.concatenate([2 * sides, -sides], axis=1).astype(np.float32))
+    away = VisibleSolid(tmp_path / "cabinet").scene.cast_rays(
+        np.concatenate([2 * sides, -sides], axis=1).astype(np.float32)
+    )
     assert away["t_hit"].numpy() == pytest.approx([1.5] * 4, abs=1e-4), "its box is the unit box"
 
 
 def test_a_model_that_is_not_whole_is_no_solid(tmp_path: Path) -> None:
     cabinet(tmp_path / "cabinet")
-    assert len(Solid(tmp_path / "cabinet").visuals) > 1
+    assert len(VisibleSolid(tmp_path / "cabinet").visuals) > 1
     next((tmp_path / "cabinet/meshes").glob("*.obj")).unlink()
     with refused("E-MODEL-BROKEN"):
-        Solid(tmp_path / "cabinet")
+        VisibleSolid(tmp_path / "cabinet")

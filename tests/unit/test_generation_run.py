@@ -16,7 +16,7 @@ from PIL import Image
 from roomkin.plugins.furniture.catalogue import sample
 from roomkin.plugins.furniture.folder import build as build_asset
 from roomkin.stages.articulated.asset_folder import read_model
-from roomkin.stages.articulated.forward_kinematics import measure_closed_box
+from roomkin.stages.articulated.model import measure_closed_box
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.config.packages import load_command
 from roomkin.stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
@@ -25,13 +25,12 @@ from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from roomkin.stages.contracts.generated import EVEN, measure_place_sureness, measure_sureness
 from roomkin.stages.contracts.library_folder import AssetFolders, write_part
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from roomkin.stages.generation.doubts import doubt_placement
 from roomkin.stages.generation.generate import run
 from roomkin.stages.generation.inputs import Inputs, read_inputs
 from roomkin.stages.generation.models import read_collisions
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.generation.placing import Places
-from roomkin.stages.generation.scene_file import read_items, summarise, to_contract
+from roomkin.stages.generation.scene_file import doubt_placement, read_items, summarise, to_contract
 from roomkin.stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox, corners
 from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at, project

@@ -10,10 +10,9 @@ from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.generation import stacking
 from roomkin.stages.generation.collisions import resolve_collisions
-from roomkin.stages.generation.mounting import extend_to_wall
 from roomkin.stages.generation.placed import Placed
-from roomkin.stages.generation.stacking import find_stack, find_supports, put_on_supports, sort_by_height
-from roomkin.stages.generation.surfaces import find_surface
+from roomkin.stages.generation.stacking import find_stack, find_supports, find_surface, put_on_supports, sort_by_height
+from roomkin.stages.generation.turning import extend_to_wall
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox, corners
 from roomkin.stages.geometry.frames import yaw_matrix
 from tests.unit.askew_desk import ASKEW_DESK

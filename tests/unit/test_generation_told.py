@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from roomkin.stages.config.code import record_provenance
 from roomkin.stages.config.generation import GenerationConfig
-from roomkin.stages.config.provenance import record_provenance
 from roomkin.stages.contracts import GeneratedScene, InputError, Objects, read_json, write_json
-from roomkin.stages.contracts.corrections import Correction, Corrections
 from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.hand import Correction, Corrections
 from roomkin.stages.generation.generate import run
 from roomkin.stages.generation.inputs import read_inputs
 from roomkin.stages.generation.placed import Placed
@@ -85,7 +85,7 @@ def test_a_place_that_a_person_said_is_not_doubted(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(
-        "roomkin.stages.generation.doubts.measure_place_sureness", lambda spread: 0.1 if spread else 1.0
+        "roomkin.stages.generation.scene_file.measure_place_sureness", lambda spread: 0.1 if spread else 1.0
     )
     unsure = DoubtKind.PLACE_UNSURE.of(share=10)
     before, after = (

@@ -21,7 +21,8 @@ from roomkin.stages.geometry.cameras import (
     make_intrinsics,
     project,
 )
-from roomkin.stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
+from roomkin.stages.geometry.clouds import dbscan, farthest_points, minimum_box, statistical_inliers
+from roomkin.stages.geometry.depth_forms import ray_lengths
 from roomkin.stages.geometry.frames import (
     angle_difference,
     invert_transform,
@@ -33,8 +34,6 @@ from roomkin.stages.geometry.frames import (
     yaw_of_matrix,
     yaw_quaternion,
 )
-from roomkin.stages.geometry.minimum_box import minimum_box
-from roomkin.stages.geometry.ray_depth import ray_lengths
 from roomkin.stages.geometry.room_planes import fit_plane
 
 

@@ -6,14 +6,17 @@ from pathlib import Path
 import pytest
 
 from roomkin.stages.contracts import Camera, read_json, write_json
-from roomkin.stages.contracts.corrections import CORRECTIONS, Correction, Corrections, read_corrections
 from roomkin.stages.contracts.hand import (
+    CORRECTIONS,
     PROJECT,
+    Correction,
+    Corrections,
     digest_of_image,
     digest_of_picture,
     find_hand_file,
     hand_folder,
     is_by_hand,
+    read_corrections,
 )
 from roomkin.stages.contracts.images import read_masks
 from roomkin.stages.contracts.matched import match_corrections

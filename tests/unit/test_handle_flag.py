@@ -5,24 +5,29 @@ import pytest
 import torch
 from torch import Tensor
 
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.contracts.trained import TrainingStore
 from roomkin.stages.policies.base import make_policy, make_rollout_policy
 from roomkin.stages.policies.handle_points import find_handle_middles, offsets_to_handle, segment_handles
-from roomkin.stages.training import handle_augmentation
-from roomkin.stages.training.batches import Batch, make_batch, put_handle_first
-from roomkin.stages.training.dataset import DemonstrationSet, steps_until_release
-from roomkin.stages.training.fronts import find_still, segment_episodes
-from roomkin.stages.training.handle_augmentation import hide_handles, move_fronts, vary_handles, widen_grips
+from roomkin.stages.training import augment
+from roomkin.stages.training.augment import (
+    Batch,
+    hide_handles,
+    make_batch,
+    move_fronts,
+    put_handle_first,
+    vary_handles,
+    widen_grips,
+)
+from roomkin.stages.training.dataset import DemonstrationSet, find_still, segment_episodes, steps_until_release
 from tests.unit.clouds import cabinet
 
 
 @pytest.fixture
 def all_fronts(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
     """Every front moves, handles are not stretched."""
-    monkeypatch.setattr(handle_augmentation, "FRONT_PROBABILITY", 1.0)
-    monkeypatch.setattr(handle_augmentation, "HANDLE_SCALE", (1.0, 1.0))
+    monkeypatch.setattr(augment, "FRONT_PROBABILITY", 1.0)
+    monkeypatch.setattr(augment, "HANDLE_SCALE", (1.0, 1.0))
     return monkeypatch
 
 
@@ -100,7 +105,7 @@ def test_fronts_move_in_their_planes_and_handles_stay_on_them() -> None:
 def test_handles_are_stretched_about_their_middle(all_fronts: pytest.MonkeyPatch) -> None:
     batch = sequences()
     for name, value in {"HANDLE_SCALE": (0.2, 0.3), "FRONT_SHIFT": 0.0, "FRONT_SCALE": (1.0, 1.0)}.items():
-        all_fronts.setattr(handle_augmentation, name, value)
+        all_fronts.setattr(augment, name, value)
     moved = move_fronts(batch, torch.Generator().manual_seed(0)).clouds
     before, after = batch.clouds[:, 0, 340:352], moved[:, 0, 340:352]
     ratio = (after[..., 2].amax(1) - after[..., 2].amin(1)) / (before[..., 2].amax(1) - before[..., 2].amin(1))

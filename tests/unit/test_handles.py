@@ -8,10 +8,8 @@ import pytest
 import trimesh
 
 from roomkin.plugins.importing.tests.test_fronts import box, joint
-from roomkin.stages.articulated.attributes import explain_ungraspable, measure_handle
-from roomkin.stages.articulated.forward_kinematics import link_frames
-from roomkin.stages.articulated.handle import exact_width, find_handle
-from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.handle import exact_width, explain_ungraspable, find_handle, measure_handle
+from roomkin.stages.articulated.model import RobotModel, link_frames
 from roomkin.stages.articulated.urdf_reader import read_urdf
 
 FRAME = [  # a raised frame of 60 x 80 cm, 6 cm wide, 2 cm before its panel

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts import Annotations
-from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.objects import USUAL_ERROR, Box, DepthError, SceneObject, Wall
 from roomkin.stages.contracts.scenes import Annotation, Held
 from roomkin.stages.extraction.contact import DepthView, measure_shelf
 from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
 from roomkin.stages.extraction.corrections import correct_image
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.extraction.depth_error import remove_reflections
+from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.reconstruct import ExtractedScene, find_hanging, reconstruct
-from roomkin.stages.extraction.reflections import remove_reflections
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import PointMap
 from roomkin.stages.geometry.masks import central_crop, erode

@@ -15,8 +15,8 @@ from roomkin.stages.tables.intervals import (
     rate_interval,
     rate_of,
     score_interval,
+    wilson,
 )
-from roomkin.stages.tables.statistics import wilson
 
 OPTIONS = TablesConfig(bootstrap_samples=300)
 

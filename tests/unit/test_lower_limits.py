@@ -9,9 +9,9 @@ import trimesh
 
 from roomkin.plugins.mujoco.environment import MujocoTaskEnv
 from roomkin.plugins.mujoco.world import MODEL
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import make_transform
-from roomkin.stages.planning.path import make_handle_path
+from roomkin.stages.planning.clearance import make_handle_path
 from roomkin.stages.simulation.target import Target
 from roomkin.stages.tasks.api import EnvWrapper
 from roomkin.stages.tasks.base_placement import find_success_opening

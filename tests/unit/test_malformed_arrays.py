@@ -13,8 +13,7 @@ from PIL import Image
 from roomkin.stages.contracts import InputError, Objects, read_json
 from roomkin.stages.contracts.__main__ import main
 from roomkin.stages.contracts.extracted import read_clouds
-from roomkin.stages.matching.scene import Scene
-from roomkin.stages.matching.snapshots import SnapshotFile
+from roomkin.stages.matching.snapshots import SceneObjects, SnapshotFile
 from roomkin.stages.matching.store import FeatureStore
 from tests.refusals import refused
 from tests.unit.contract_files import CLOUD, HEIGHT, WIDTH, Bench, masks, with_value
@@ -106,7 +105,7 @@ def test_what_lies_beside_objects(bench: Bench, case: str) -> None:
     bench.refused("objects", name, words)
     shutil.copy(bench.root / "input/rgb.png", bench.root / "extraction/rgb.png")
     with pytest.raises(InputError, match=name):
-        Scene(bench.path("objects"), bench.root / "extraction/rgb.png")
+        SceneObjects(bench.path("objects"), bench.root / "extraction/rgb.png")
 
 
 def replace(file: h5py.File, name: str, array: Any) -> None:

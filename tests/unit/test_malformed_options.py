@@ -16,17 +16,16 @@ from roomkin.plugins.furniture.folder import generate
 from roomkin.plugins.scenes.config import ScenesConfig
 from roomkin.stages.cli import main
 from roomkin.stages.config.assets import AssetsConfig
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
 from roomkin.stages.config.evaluation import EvaluationConfig
-from roomkin.stages.config.extraction import ExtractionConfig
 from roomkin.stages.config.generation import GenerationConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.config.packages import home_of
 from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import InputError, read_options
 from roomkin.stages.contracts.library import Recipe
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from tests.packages import needs
 from tests.unit.contract_files import contents, write_files
 

@@ -15,7 +15,7 @@ from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.__main__ import main
 from roomkin.stages.contracts.images import read_masks, read_rgb
 from roomkin.stages.contracts.scene_input import read_scene_input
-from roomkin.stages.matching.scene import Scene
+from roomkin.stages.matching.snapshots import SceneObjects
 from tests.unit.contract_files import HEIGHT, WIDTH, Bench, contents, masks, write_files
 
 ORIENTATION = 0x0112
@@ -69,7 +69,7 @@ def test_every_stage_sees_a_turned_photo_alike(bench: Bench) -> None:
     for folder in ("input", "extraction"):
         Image.fromarray(upside_down).save(bench.root / folder / "rgb.png", "JPEG", exif=exif(3), quality=98)
     given = read_scene_input(bench.root / "input").rgb
-    matched = Scene(bench.root / "extraction/objects.json", bench.root / "extraction/rgb.png")
+    matched = SceneObjects(bench.root / "extraction/objects.json", bench.root / "extraction/rgb.png")
     assert np.abs(given.astype(int) - gradient()).mean() < 6
     np.testing.assert_array_equal(matched.view(matched.objects.objects[0]).rgb, given)
 
@@ -216,7 +216,7 @@ def test_a_picture_that_is_none(bench: Bench, case: str) -> None:
     bench.refused("camera", "rgb.png", words)
     (bench.root / "extraction/rgb.png").write_bytes(data)
     with pytest.raises(InputError, match=r"rgb\.png"):
-        Scene(bench.root / "extraction/objects.json", bench.root / "extraction/rgb.png")
+        SceneObjects(bench.root / "extraction/objects.json", bench.root / "extraction/rgb.png")
 
 
 MASKS = {

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.corrections import Correction, Corrections, read_corrections
 from roomkin.stages.contracts.files import write_json
+from roomkin.stages.contracts.hand import Correction, Corrections, read_corrections
 from roomkin.stages.contracts.matched import digest_masks, match_corrections, show_masks
 from roomkin.stages.contracts.scenes import Held
 

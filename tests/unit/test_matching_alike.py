@@ -4,7 +4,7 @@ import pytest
 
 from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
-from roomkin.stages.matching.agreement import agree_on_order, group_alike
+from roomkin.stages.matching.deciding import agree_on_order, group_alike
 
 
 def _thing(name: str, height: float = 0.9, **fields: object) -> SceneObject:

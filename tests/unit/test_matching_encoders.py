@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from roomkin.stages.config.matching import MatchingConfig
-from roomkin.stages.geometry.crop import cut, foreground
-from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.geometry.masks import cut, foreground, pixel_bounds
+from roomkin.stages.matching.descriptors import object_frame, patch_normals
 from roomkin.stages.matching.encoders import make_encoder, settings_digest
 from roomkin.stages.matching.encoders.hog import CELL_STEPS, GRADIENT_BINS, GRADIENT_COLUMNS, descriptors
-from roomkin.stages.matching.normals import object_frame, patch_normals
 from roomkin.stages.matching.ranking import make_query
 from tests.unit.matching_data import view_of_box
 

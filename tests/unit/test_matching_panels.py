@@ -5,14 +5,13 @@ import pytest
 from pydantic import ValidationError
 
 from roomkin.stages.config.matching import MatchingConfig
-from roomkin.stages.contracts.corrections import Correction
-from roomkin.stages.contracts.fronts import Panel
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.library import FrontPanel, LibraryEntry
 from roomkin.stages.contracts.objects import SceneObject
+from roomkin.stages.contracts.parts import Panel
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.matching.candidates import Candidates
-from roomkin.stages.matching.panels import layout_gap, measure_overlaps, panel_gap, to_boxes
-from roomkin.stages.matching.priors import list_addends
+from roomkin.stages.matching.priors import layout_gap, list_addends, measure_overlaps, panel_gap, to_boxes
 
 
 def panel(kind: str, left: float, right: float, bottom: float, top: float) -> Panel:

@@ -10,9 +10,9 @@ from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import CategoryMatch
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
-from roomkin.stages.geometry.crop import foreground
+from roomkin.stages.geometry.masks import foreground
 from roomkin.stages.matching.candidates import Candidates
-from roomkin.stages.matching.colors import patch_colors
+from roomkin.stages.matching.descriptors import patch_colors
 from roomkin.stages.matching.encoders import make_encoder
 from roomkin.stages.matching.priors import is_misplaced, list_addends, size_gap
 from roomkin.stages.matching.ranking import make_query

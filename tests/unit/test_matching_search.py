@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from roomkin.stages.matching.ranking import embedding_distance, vote
 from roomkin.stages.matching.search import distance_table
-from roomkin.stages.matching.voting import embedding_distance, vote
 from roomkin.stages.plugins import list_available
 
 Patches = list[NDArray[np.float32]]

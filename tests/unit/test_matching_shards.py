@@ -8,7 +8,7 @@ import pytest
 from roomkin.stages.assets.part import run as part
 from roomkin.stages.contracts import Cousins, LibraryPart, read_json
 from roomkin.stages.contracts.library import LibraryEntry
-from roomkin.stages.contracts.library_parts import SceneShards, holds, name_part
+from roomkin.stages.contracts.library_folder import SceneShards, holds, name_part
 from roomkin.stages.matching.features import run as features
 from roomkin.stages.matching.match import run as match
 from roomkin.stages.matching.shards import choose_shards

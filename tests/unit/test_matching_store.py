@@ -12,11 +12,10 @@ from roomkin.stages.contracts.features import check_features
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.geometry.cameras import look_at
 from roomkin.stages.matching.candidates import Candidates
-from roomkin.stages.matching.codec import learn
 from roomkin.stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
 from roomkin.stages.matching.ranking import make_query, shortlist
 from roomkin.stages.matching.snapshots import SnapshotFile, up_of_camera
-from roomkin.stages.matching.store import FeatureStore, Snapshot
+from roomkin.stages.matching.store import FeatureStore, Snapshot, learn
 from tests.refusals import refused
 from tests.unit.matching_data import MODELS, World
 

@@ -7,11 +7,11 @@ import pytest
 from trimesh import Trimesh
 from trimesh.creation import box
 
-from roomkin.stages.articulated.mesh_writer import Surface, is_box, write_obj
+from roomkin.stages.articulated.mesh_writer import TriangleSurface, is_box, write_obj
 from roomkin.stages.articulated.model import Texture
 
 CORNERS = np.array([[1 / 3, -0.0, 0.0], [1.0, -2e-6, 0.0], [2.0, 1.0, 0.123456]])
-SEEN = Surface(CORNERS, np.array([[0, 2, 1]]), -CORNERS / 3, CORNERS[:, :2] ** 2)
+SEEN = TriangleSurface(CORNERS, np.array([[0, 2, 1]]), -CORNERS / 3, CORNERS[:, :2] ** 2)
 VERTICES = "v 0.33333 0 0\nv 1 0 0\nv 2 1 0.12346\n"
 NORMALS = "vn -0.1111 0 0\nvn -0.3333 0 0\nvn -0.6667 -0.3333 -0.0412\n"
 PLACES = "vt 0.1111 0\nvt 1 0\nvt 4 1\n"
@@ -24,7 +24,7 @@ PLACES = "vt 0.1111 0\nvt 1 0\nvt 4 1\n"
         (SEEN, 2 * VERTICES + 2 * NORMALS + "f 1//1 3//3 2//2\nf 4//4 6//6 5//5\n"),
     ],
 )
-def test_two_surfaces_in_one_file(surface: Surface, text: str, tmp_path: Path) -> None:
+def test_two_surfaces_in_one_file(surface: TriangleSurface, text: str, tmp_path: Path) -> None:
     write_obj(tmp_path / "a.obj", [surface, surface])
     assert (tmp_path / "a.obj").read_text() == text
 

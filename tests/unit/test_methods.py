@@ -16,13 +16,13 @@ from roomkin.plugins.claims import claims
 from roomkin.plugins.report import report
 from roomkin.plugins.studies import conditions, results
 from roomkin.stages.config.model import Config, load, with_defaults
-from roomkin.stages.config.policy_kinds import policy_tables
 from roomkin.stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
+from roomkin.stages.config.training import policy_tables
 from roomkin.stages.contracts.policies import Rollout
 from roomkin.stages.tables import policies
 from roomkin.stages.tables.methods import check_methods, join_published, kinds_of, read_pooled
 from roomkin.stages.tables.order import target_title
-from roomkin.stages.tables.policy_notes import policy_notes
+from roomkin.stages.tables.policy_tables import policy_notes
 from roomkin.stages.tables.rows import published_runs
 from tests.refusals import refused
 from tests.unit.tables_results import declared, rollout, write_rows, write_run

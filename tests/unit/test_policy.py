@@ -10,9 +10,8 @@ from torch.nn import functional
 
 from roomkin.stages.contracts.policy_config import PolicyConfig
 from roomkin.stages.policies.base import ActionMode
-from roomkin.stages.policies.bc_rnn_gmm import Policy
-from roomkin.stages.policies.mixture import Mixture
-from roomkin.stages.policies.pointnet import PointNet
+from roomkin.stages.policies.bc_rnn_gmm import Mixture, Policy
+from roomkin.stages.policies.point_cloud import PointNet
 
 
 def dense(net: PointNet, clouds: torch.Tensor) -> torch.Tensor:

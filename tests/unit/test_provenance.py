@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from roomkin.stages.config.code import record_provenance
 from roomkin.stages.config.generation import GenerationConfig
-from roomkin.stages.config.provenance import record_provenance
 
 COMMAND = "roomkin.stages.generation.generate"
 

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.contracts.task_options import TaskConfig
-from roomkin.stages.demonstrations.attempt import Recorder
-from roomkin.stages.demonstrations.recovery import sample_disturbance
+from roomkin.stages.config.training import DemonstrationsConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
+from roomkin.stages.demonstrations.attempt import Recorder, sample_disturbance
 from roomkin.stages.skills import FAR
 from roomkin.stages.skills.motion import CLOSED
 from roomkin.stages.skills.open import OpenSkill

@@ -17,9 +17,9 @@ from roomkin.stages.contracts.library import Asset
 from roomkin.stages.contracts.library_folder import write_part
 from roomkin.stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
 from roomkin.stages.evaluation import choose, merge, rollout, selection_rollout, vector_env
-from roomkin.stages.evaluation.episodes import roll_out
 from roomkin.stages.evaluation.simulators import maniskill
 from roomkin.stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
+from roomkin.stages.evaluation.vector_env import roll_out
 from roomkin.stages.policies.checkpoint import save_weights
 from roomkin.stages.tasks.api import Observation, StepResult
 from roomkin.stages.tasks.observation import Sensing

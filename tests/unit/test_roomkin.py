@@ -13,8 +13,7 @@ import pytest
 import yaml
 
 from roomkin import __main__, completion, correct, picture
-from roomkin.homes import COMMANDS, list_homes
-from roomkin.workflow import run_snakemake
+from roomkin.workflow import COMMANDS, list_homes, run_snakemake
 from tests.commands import list_commands
 from tests.packages import needs
 from tests.refusals import refused

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from roomkin.stages.geometry.sampling import sample_triangles, split_solids
+from roomkin.stages.geometry.solids import sample_triangles, split_solids
 
 
 @pytest.fixture

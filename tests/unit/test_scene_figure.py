@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from roomkin.stages.tables.scene_figure import figure6
+from roomkin.stages.tables.figures import figure6
 
 
 @pytest.mark.parametrize(

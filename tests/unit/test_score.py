@@ -17,8 +17,7 @@ from roomkin.stages.contracts.library_folder import write_part
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
 from roomkin.stages.contracts.scenes import TrueObject
 from roomkin.stages.evaluation.score import run
-from roomkin.stages.evaluation.scoring import score_scene
-from roomkin.stages.evaluation.shapes import measure_likeness
+from roomkin.stages.evaluation.scoring import measure_likeness, score_scene
 from roomkin.stages.geometry.cameras import look_at
 from roomkin.stages.geometry.frames import invert_transform, transform_points, yaw_of_matrix
 from tests.refusals import refused

@@ -12,21 +12,20 @@ import pytest
 import torch
 
 from roomkin.plugins.furniture.catalogue import sample
-from roomkin.stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from roomkin.stages.config.experiment import ExperimentConfig
 from roomkin.stages.config.tables import TablesConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.config.training import DemonstrationsConfig, RandomiseOptions
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import draw_approach_speed
 from roomkin.stages.demonstrations.collect import attempt_seeds
 from roomkin.stages.evaluation.states import initial_states
 from roomkin.stages.policies.bc_rnn_gmm import Rollout
 from roomkin.stages.simulation.robot import REST
 from roomkin.stages.tables.intervals import PLACE, resample_rates
-from roomkin.stages.tasks.cameras import jitter, shoulder
+from roomkin.stages.tasks.filmed import sample_factors
 from roomkin.stages.tasks.initial_state import sample_initial_state
-from roomkin.stages.tasks.observation import CameraRig, Sensing
-from roomkin.stages.tasks.randomised import sample_factors
-from roomkin.stages.training.loop import generator
+from roomkin.stages.tasks.observation import CameraRig, Sensing, jitter, shoulder
+from roomkin.stages.training.state import generator
 from roomkin.stages.training.train import run as train
 from tests.toy_reach import write_store
 

@@ -11,14 +11,12 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from roomkin.stages.articulated.handle import Handle
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, make_transform, yaw_matrix
-from roomkin.stages.planning.articulation import plan_articulation
-from roomkin.stages.planning.clearance import Surroundings
-from roomkin.stages.planning.handle_grasp import Grasp, grasp_pose
-from roomkin.stages.planning.path import Pursuit, make_handle_path, make_line, measure_distance
+from roomkin.stages.planning.articulation import Grasp, grasp_pose, plan_articulation
+from roomkin.stages.planning.clearance import Pursuit, Surroundings, make_handle_path, make_line, measure_distance
 from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.skills import FAR, Act, Outcome
 from roomkin.stages.skills.close import CloseSkill

@@ -7,13 +7,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.config.training import DemonstrationsConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.planning import rollout
-from roomkin.stages.planning.articulation import choose_open_goals, choose_release_opening, list_approaches
-from roomkin.stages.planning.clearance import Surroundings
-from roomkin.stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, list_grasps, list_last_resorts
-from roomkin.stages.planning.path import make_line, measure_distance
+from roomkin.stages.planning.articulation import (
+    FROM_ABOVE,
+    Grasp,
+    choose_open_goals,
+    choose_release_opening,
+    grasp_pose,
+    list_approaches,
+    list_grasps,
+    list_last_resorts,
+)
+from roomkin.stages.planning.clearance import Surroundings, make_line, measure_distance
 from roomkin.stages.planning.rollout import Stretch, find_feasible, roll_out
 from roomkin.stages.simulation.kinematics import Chain, track
 from roomkin.stages.simulation.robot import REST

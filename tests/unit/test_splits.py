@@ -8,7 +8,7 @@ import pytest
 
 from roomkin.stages.contracts import TaskAssets
 from roomkin.stages.contracts.policies import TaskAsset
-from roomkin.stages.contracts.training_sets import DRAW
+from roomkin.stages.contracts.policy_config import DRAW
 from roomkin.stages.experiment.splits import by_chance, cover, order_by_family, split_by_family, with_lists
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset

@@ -15,7 +15,7 @@ from roomkin.plugins.importing.tests.own_models import import_folder
 from roomkin.stages.articulated.asset_folder import read_asset
 from roomkin.stages.articulated.resizing import resize_model
 from roomkin.stages.articulated.urdf_writer import write_urdf
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.simulation.loading import ParsedAsset, load_asset, physics_scene
 from roomkin.stages.simulation.stretching import stretch_builder
 from roomkin.stages.tasks.api import EnvWrapper

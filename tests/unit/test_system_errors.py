@@ -23,7 +23,7 @@ from roomkin.stages.contracts.errors import file_missing
 from roomkin.stages.contracts.files import read_text, write_atomically, write_json
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.contracts.system import line_of
-from roomkin.stages.training.logbook import Logbook
+from roomkin.stages.training.state import Logbook
 from tests.refusals import refused
 
 NOISE = np.random.default_rng(0).integers(0, 255, (200, 200, 3), np.uint8)

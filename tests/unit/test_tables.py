@@ -10,13 +10,12 @@ from matplotlib.figure import Figure
 from roomkin.stages.config.tables import PolicyTables, TablesConfig
 from roomkin.stages.contracts.policies import Rollout, SceneScore
 from roomkin.stages.tables import policies, policy_tables, scene_tables, scenes, table2, table3
-from roomkin.stages.tables.drawing import draw_rates
+from roomkin.stages.tables.figures import draw_rates, figure9
+from roomkin.stages.tables.intervals import t_interval, wilson
 from roomkin.stages.tables.markup import Table, html, latex, markdown
 from roomkin.stages.tables.methods import join_published
 from roomkin.stages.tables.order import set_key, sort_key
-from roomkin.stages.tables.policy_figures import figure9
 from roomkin.stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
-from roomkin.stages.tables.statistics import t_interval, wilson
 from roomkin.stages.tables.text import cell as text_cell
 from roomkin.stages.tables.text import percent, points, span
 from tests.refusals import refused

@@ -8,15 +8,13 @@ import pytest
 import trimesh
 
 from roomkin.stages.articulated.handle import find_handle
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 from roomkin.stages.simulation import observation
-from roomkin.stages.simulation.controller import apply_delta, scale_action
 from roomkin.stages.simulation.kinematics import jacobian, pose_error, track
-from roomkin.stages.simulation.robot import REST, panda_chain, rest_quaternion
+from roomkin.stages.simulation.robot import REST, apply_delta, panda_chain, rest_quaternion, scale_action
 from roomkin.stages.simulation.target import Target
 from roomkin.stages.tasks import api
-from roomkin.stages.tasks.cameras import WRIST, jitter, other_shoulder, shoulder
 from roomkin.stages.tasks.initial_state import (
     base_pose,
     nominal_root,
@@ -24,6 +22,7 @@ from roomkin.stages.tasks.initial_state import (
     sample_initial_state,
     variant_scale,
 )
+from roomkin.stages.tasks.observation import WRIST, jitter, other_shoulder, shoulder
 from tests.unit.generation_scenes import asset
 
 STILL = TaskConfig(base_xy=0, base_z=0, base_yaw=0, object_xy=0, object_yaw=0, qpos_noise=0, camera_jitter=(0, 0))

@@ -13,17 +13,16 @@ import torch
 from safetensors.torch import load_file
 
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.policy_folder import read_config, weights_of
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
+from roomkin.stages.contracts.trained import read_config, weights_of
 from roomkin.stages.policies import point_cloud
 from roomkin.stages.policies.base import make_policy
 from roomkin.stages.policies.checkpoint import load_network
-from roomkin.stages.training import augment, dataset, loop
-from roomkin.stages.training.batches import list_windows, make_batch
+from roomkin.stages.training import augment, dataset
+from roomkin.stages.training import state as loop
+from roomkin.stages.training.augment import list_windows, make_batch
 from roomkin.stages.training.dataset import constant_error, frames_of, read_demonstrations, split_episodes
-from roomkin.stages.training.logbook import Line
-from roomkin.stages.training.state import TrainingState, copy_weights
+from roomkin.stages.training.state import Line, TrainingState, copy_weights
 from roomkin.stages.training.train import outcome, plateau
 from roomkin.stages.training.train import run as train
 from tests.refusals import refused

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from roomkin.stages.config import unfetched
+from roomkin.stages.config import weights
 from roomkin.stages.config.model import load, with_defaults
 from roomkin.stages.config.weights import DINOV2
 from tests.packages import needs
@@ -24,7 +24,7 @@ def asked(**variants: dict[str, Any]) -> dict[str, Any]:
 
 def put(monkeypatch: pytest.MonkeyPatch, folder: Path, there: bool) -> None:
     """Weights, or none."""
-    monkeypatch.setattr(unfetched, "FOLDER", folder)
+    monkeypatch.setattr(weights, "FOLDER", folder)
     monkeypatch.setattr("roomkin.stages.config.weights.is_there", lambda *_: there)
     if there:
         (folder / DINOV2.name).touch()
@@ -42,7 +42,7 @@ def test_its_variants_are_left_out_with_a_line(tmp_path: Path, monkeypatch: pyte
         assert experiment.protocols.keys() == {"noise"} and "paper" not in (
             experiment.protocols["noise"].variants or []
         )
-        assert unfetched.tell_left_out(given, config).endswith("(make weights): without variant paper")
+        assert weights.tell_left_out(given, config).endswith("(make weights): without variant paper")
 
 
 @needs("pretrained", "scenes")
@@ -50,7 +50,7 @@ def test_with_the_weights_nothing_is_left_out(tmp_path: Path, monkeypatch: pytes
     put(monkeypatch, tmp_path, there=True)
     config = load(asked(paper=PAPER, ours=OURS))
     assert {"paper", "ours"} <= config.experiment.variants.keys() and "paper" in config.experiment.placements
-    assert unfetched.tell_left_out(asked(paper=PAPER, ours=OURS), config) == ""
+    assert weights.tell_left_out(asked(paper=PAPER, ours=OURS), config) == ""
 
 
 @needs("pretrained", "scenes")

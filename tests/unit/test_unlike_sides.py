@@ -14,16 +14,15 @@ from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.objects import Box, DepthError, Wall, distance_between
 from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.policy_folder import check_policy
+from roomkin.stages.contracts.trained import check_policy
 from roomkin.stages.extraction.contact import CONTACT_DISTANCE, DepthView
 from roomkin.stages.geometry.frames import make_transform
-from roomkin.stages.geometry.outlines import measure_outline
-from roomkin.stages.matching.panels import lay_over
+from roomkin.stages.geometry.masks import measure_outline
+from roomkin.stages.matching.priors import lay_over
 from roomkin.stages.policies.checkpoint import save_weights
 from roomkin.stages.skills.open import OpenSkill
 from roomkin.stages.tables.cells import tabulate_gains
-from roomkin.stages.training.batches import Batch
-from roomkin.stages.training.handle_augmentation import widen_grips
+from roomkin.stages.training.augment import Batch, widen_grips
 from tests.unit.tables_results import rollout
 from tests.unit.trained_policy import trained
 

@@ -3,8 +3,8 @@
 import pytest
 
 from roomkin.stages.contracts.category import Category, describe_unusual
+from roomkin.stages.contracts.errors import count, describe_size
 from roomkin.stages.contracts.objects import Mounting
-from roomkin.stages.contracts.words import count, describe_size
 
 
 def test_one_thing_is_not_called_many() -> None:

@@ -5,8 +5,7 @@ from pathlib import Path
 import torch
 
 from roomkin.stages.contracts import write_json
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.contracts.trained import TrainedPolicy, TrainingStore
 from roomkin.stages.policies.bc_rnn_gmm import Policy
 from roomkin.stages.policies.checkpoint import save_weights

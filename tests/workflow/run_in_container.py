@@ -13,9 +13,9 @@ import tempfile
 from hashlib import sha256
 from pathlib import Path
 
-from roomkin.stages.config.containers import ContainersConfig
-from roomkin.stages.config.provenance import content
-from roomkin.stages.contracts.checksums import CHECKSUMS
+from roomkin.stages.config.code import content
+from roomkin.stages.config.files import ContainersConfig
+from roomkin.stages.contracts.files import CHECKSUMS
 
 ROOT = Path(__file__).resolve().parents[2]
 SNAKEMAKE = [str(Path(sys.executable).parent / "snakemake"), "--cores", "2", "--quiet", "all"]

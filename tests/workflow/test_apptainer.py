@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from roomkin.stages.config.containers import ContainersConfig
+from roomkin.stages.config.files import ContainersConfig
 from tests.workflow.workspace import make, overlay, snakemake
 
 STUB = """#!/bin/bash

@@ -16,7 +16,7 @@ from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.plugins.annotator.tests.test_correcting import BOXES
 from roomkin.plugins.ops.outside import list_key_variables, list_outside_paths
 from roomkin.stages.config import reference
-from roomkin.stages.config.containers import ContainersConfig, tag
+from roomkin.stages.config.files import ContainersConfig, tag
 from roomkin.stages.config.inputs import INPUT_FILES
 from roomkin.stages.config.model import complete, load, with_defaults
 from roomkin.stages.config.packages import find_packages

@@ -12,11 +12,11 @@ from typing import NamedTuple
 import pytest
 import yaml
 
-from roomkin.homes import COMMANDS, ELSEWHERE, list_homes
 from roomkin.stages.config.inputs import INPUT_FILES
 from roomkin.stages.config.model import load, merge_mappings, with_defaults
 from roomkin.stages.config.packages import home_of
 from roomkin.stages.config.weights import DINOV2, is_there
+from roomkin.workflow import COMMANDS, ELSEWHERE, list_homes
 from tests.commands import list_passed_flags, read_flags
 from tests.workflow.workspace import ROOT, make, plan, put
 

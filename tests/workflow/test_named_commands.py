@@ -3,7 +3,7 @@
 import re
 from collections import defaultdict
 
-from roomkin.homes import COMMANDS, list_homes
+from roomkin.workflow import COMMANDS, list_homes
 from tests.commands import list_commands
 from tests.workflow.workspace import ROOT
 

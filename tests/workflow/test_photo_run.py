@@ -7,7 +7,7 @@ from pathlib import Path
 from PIL import Image
 
 from roomkin.stages.contracts import Annotations, Camera, Library, Objects, read_json
-from roomkin.stages.contracts.library_parts import SceneShards, holds
+from roomkin.stages.contracts.library_folder import SceneShards, holds
 from tests.unit.tiny_networks import save_all
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, planned, snakemake
 

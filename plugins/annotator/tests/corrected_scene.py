@@ -9,10 +9,10 @@ from PIL import Image
 
 from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json, write_json
-from roomkin.stages.contracts.corrections import CORRECTIONS, Correction, Reader, read_corrections
 from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.hand import CORRECTIONS, Correction, Reader, read_corrections
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.extraction.extract import run as extract
 from tests.unit.tables_results import snapshots

@@ -9,7 +9,7 @@ from roomkin.plugins.annotator.clicking import Clicker, Seen
 from roomkin.stages.geometry.masks import Mask, pixel_bounds
 from roomkin.stages.perception.classification.propose import Names, Proposal
 from roomkin.stages.perception.segmentation.mobile_sam import Outlines
-from roomkin.stages.perception.segmentation.ssd import Box
+from roomkin.stages.perception.segmentation.ssd import DetectedBox
 
 
 class KnownPicture:
@@ -65,7 +65,7 @@ class KnownClicker(Clicker):
     def __init__(self, rgb: NDArray[np.uint8], things: dict[str, Mask]) -> None:
         self.rgb, self.room, self.things = rgb, None, things
         self._picture: Any = KnownPicture(list(things.values()))
-        self.boxes: list[Box] = []
+        self.boxes: list[DetectedBox] = []
         self.found: list[Mask] = []
         self.guesses: list[Mask] = []
 

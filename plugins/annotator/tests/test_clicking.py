@@ -21,8 +21,7 @@ from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noq
 from roomkin.plugins.annotator.tests.test_by_hand import BOXES, HEIGHT, VIEW, WIDTH, _drawing, _pixels
 from roomkin.plugins.annotator.tests.test_correcting import BOXES as ROOM
 from roomkin.stages.contracts import Annotations, Objects, read_json
-from roomkin.stages.contracts.corrections import CORRECTIONS
-from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.geometry.boxes import UprightBox, corners
@@ -35,7 +34,7 @@ from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Pr
 from roomkin.stages.perception.drawing.room import mark_box
 from roomkin.stages.perception.drawing.solve import solve
 from roomkin.stages.perception.read.photo import Photo
-from roomkin.stages.perception.segmentation.ssd import Box
+from roomkin.stages.perception.segmentation.ssd import DetectedBox
 from tests.refusals import refused
 from tests.unit.perception.conftest import published  # noqa: F401
 from tests.unit.perception.test_networks import MIDDLE, draw_sign
@@ -127,7 +126,7 @@ def test_a_guess_at_several_clicks_is_good_and_heeds_each_of_them() -> None:
 
 def test_a_box_of_the_network_names_the_outline_that_it_agrees_with(monkeypatch: pytest.MonkeyPatch) -> None:
     clicker = KnownClicker(PICTURE, THINGS)
-    clicker.boxes = [Box((40, 140, 80, 180), "oven", 0.9, {"oven": 0.9})]
+    clicker.boxes = [DetectedBox((40, 140, 80, 180), "oven", 0.9, {"oven": 0.9})]
     monkeypatch.setattr(clicking, "observe_looks", lambda *_: None)
     monkeypatch.setattr(clicking, "propose_names", lambda _, words: words)
     for mask, words in ((THINGS["oven"], {"oven": 0.9}), (_square(40, 140, 100), None), (THINGS["stool"], None)):

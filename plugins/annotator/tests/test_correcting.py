@@ -18,16 +18,16 @@ from roomkin.plugins.annotator.tests.annotate_page import watched
 from roomkin.plugins.annotator.tests.corrected_scene import read_told_to
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from roomkin.stages.contracts import Camera, InputError, Objects, read_json, write_json, write_text
-from roomkin.stages.contracts.corrections import CORRECTIONS, Correction, Corrections
 from roomkin.stages.contracts.extracted import check_extracted
-from roomkin.stages.contracts.fronts import Panel
+from roomkin.stages.contracts.hand import CORRECTIONS, Correction, Corrections
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
+from roomkin.stages.contracts.parts import Panel
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.extraction.corrected_masks import Cutter
 from roomkin.stages.extraction.corrections import correct_image, correct_scene
 from roomkin.stages.extraction.extract import run as extract
-from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.noise import read_folder
 from roomkin.stages.extraction.reconstruct import ExtractedScene
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.perception.drawing.project import DrawnObject

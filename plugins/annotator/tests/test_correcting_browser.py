@@ -16,8 +16,8 @@ from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noq
 from roomkin.plugins.annotator.tests.test_correcting import BOXES
 from roomkin.plugins.report.tests.test_report_browser import CONTRAST
 from roomkin.stages.contracts import Objects, read_json
-from roomkin.stages.contracts.corrections import CORRECTIONS, Correction
 from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.hand import CORRECTIONS, Correction
 from roomkin.stages.extraction.corrected_masks import find_corners
 from roomkin.stages.extraction.extract import run as extract
 from tests.unit.synthetic_room import OBJECT, WALL, write_room

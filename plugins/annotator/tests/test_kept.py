@@ -23,9 +23,8 @@ from roomkin.plugins.annotator.server import PageServer
 from roomkin.plugins.annotator.session import Session
 from roomkin.plugins.annotator.tests.annotate_page import serve
 from roomkin.plugins.annotator.tests.test_correcting import BOXES
-from roomkin.stages.contracts import checksums, files
-from roomkin.stages.contracts.corrections import CORRECTIONS
-from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts import files
+from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT
 from roomkin.stages.perception.read.photo import read_photo
 from tests.unit.synthetic_room import write_room
 
@@ -241,7 +240,7 @@ def test_a_kill_in_the_middle_of_a_save_leaves_the_last_whole_state(tmp_path: Pa
     assert json.loads(path.read_text()) == "next"
 
 
-@pytest.mark.parametrize("fails", [(files, "sync"), (checksums, "record")], ids=["before", "after"])
+@pytest.mark.parametrize("fails", [(files, "sync"), (files, "record")], ids=["before", "after"])
 def test_an_error_of_the_disk_does_not_look_as_if_others_had_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fails: tuple[Any, str]
 ) -> None:

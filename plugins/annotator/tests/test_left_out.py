@@ -13,13 +13,12 @@ from roomkin.plugins.annotator.tests.annotate_page import watched
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from roomkin.plugins.annotator.tests.test_correcting import BOX, BOXES, CABINET
 from roomkin.stages.contracts import Objects, read_json, write_json
-from roomkin.stages.contracts.corrections import CORRECTIONS, Correction
-from roomkin.stages.contracts.hand import PROJECT
+from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT, Correction
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.contracts.things import THINGS, Ground, Name, Thing, Things
 from roomkin.stages.extraction.corrections import correct_image
 from roomkin.stages.extraction.extract import run as extract
-from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.noise import read_folder
 from tests.unit.synthetic_room import FLOOR, WALL, write_room
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.extraction.corrections import correct_scene
 from roomkin.stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import OBJECT, trace

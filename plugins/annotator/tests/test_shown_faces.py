@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from roomkin.plugins.annotator.last_run import LastRun, hang_on, read_last_run
-from roomkin.plugins.report.snapshots import Snapshots
+from roomkin.plugins.report.album import SnapshotShards
 from roomkin.stages.contracts import Library, Objects, write_json
-from roomkin.stages.contracts.corrections import Correction
 from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from roomkin.stages.contracts.generated import PlacedObject
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -35,7 +35,7 @@ def made() -> LastRun:
         walls=[],
         objects=[],
     )
-    return LastRun(objects, {}, {}, {MASK: CHEST}, Snapshots([]))
+    return LastRun(objects, {}, {}, {MASK: CHEST}, SnapshotShards([]))
 
 
 def _faces(made: LastRun, before: tuple[float, float] = (0.0, 0.0), **said: object) -> np.ndarray:

@@ -12,7 +12,7 @@ from roomkin.plugins.annotator.tests.annotate_page import watched
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from roomkin.plugins.annotator.tests.test_correcting import BOXES
 from roomkin.stages.contracts import Annotations, Objects, read_json, write_json
-from roomkin.stages.contracts.corrections import CORRECTIONS, Correction, read_corrections
+from roomkin.stages.contracts.hand import CORRECTIONS, Correction, read_corrections
 from roomkin.stages.contracts.images import read_masks
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.extraction.extract import run as extract

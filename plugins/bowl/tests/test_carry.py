@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from roomkin.plugins.bowl.carry import can_hold
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform
 from roomkin.stages.planning.clearance import Surroundings
 from roomkin.stages.planning.rollout import Stretch

@@ -10,21 +10,26 @@ import torch
 import trimesh
 
 from roomkin.plugins.bowl.region import find_level_region, measure_headroom
-from roomkin.plugins.bowl.skills.pick.grasps import (
+from roomkin.plugins.bowl.skills.pick.skill import (
     TURNS,
     measure_turn,
     sample_grasps,
     sample_object_cloud,
     sort_by_turn,
 )
-from roomkin.plugins.bowl.skills.place.predicates import DROP, find_places_inside, sample_placements
-from roomkin.plugins.bowl.tasks.put_away_bowl.bowl import AROUND, default_bowl, fitting_scale, load_visual_mesh
-from roomkin.plugins.bowl.tasks.put_away_bowl.environment import with_stand_in_view
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.plugins.bowl.skills.place.skill import DROP, find_places_inside, sample_placements
+from roomkin.plugins.bowl.tasks.put_away_bowl.environment import (
+    AROUND,
+    default_bowl,
+    fitting_scale,
+    load_visual_mesh,
+    with_stand_in_view,
+)
+from roomkin.stages.config.training import DemonstrationsConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import Recorder
 from roomkin.stages.geometry.frames import make_transform, transform_points, yaw_matrix
-from roomkin.stages.planning.path import ANGLE_WEIGHT
+from roomkin.stages.planning.clearance import ANGLE_WEIGHT
 from roomkin.stages.tasks.api import EnvWrapper
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet

@@ -6,14 +6,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from roomkin.stages.geometry.frames import invert_transform, make_transform
-from roomkin.stages.planning.articulation import list_approaches
-from roomkin.stages.planning.handle_grasp import HALF_PAD
-from roomkin.stages.planning.path import Pursuit, make_line
+from roomkin.stages.planning.articulation import HALF_PAD, list_approaches
+from roomkin.stages.planning.clearance import Pursuit, make_line
 from roomkin.stages.planning.rollout import Stretch, find_feasible
 from roomkin.stages.simulation.kinematics import Array
 from roomkin.stages.simulation.target import Target
-from roomkin.stages.skills.attempts import RetryingSkill
-from roomkin.stages.skills.motion import CLOSED, Motion, Stall
+from roomkin.stages.skills.motion import CLOSED, Motion, RetryingSkill, Stall
 
 BEFORE = 0.06  # metres before the face, from where on the hand goes straight; chosen
 TILTS = (0.0, 0.35, -0.35, 0.7, -0.7)  # radians of the fingers to the joint's axis, about either axis; chosen

@@ -9,18 +9,18 @@ import sapien
 from roomkin.plugins.button.skills.push import Skill, list_pushes
 from roomkin.plugins.furniture.catalogue import CATEGORIES, sample
 from roomkin.plugins.furniture.folder import build
+from roomkin.stages.articulated.affordance import handle_extents
 from roomkin.stages.articulated.asset_folder import read_asset
-from roomkin.stages.articulated.handle_extents import handle_extents
 from roomkin.stages.config.assets import COUNTS
-from roomkin.stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
+from roomkin.stages.config.training import DemonstrationsConfig, RandomiseOptions
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.parts import PARTS
-from roomkin.stages.contracts.task_options import TaskConfig
-from roomkin.stages.planning.handle_grasp import HALF_PAD
+from roomkin.stages.contracts.policy_config import TaskConfig
+from roomkin.stages.planning.articulation import HALF_PAD
 from roomkin.stages.plugins import load
 from roomkin.stages.simulation.loading import load_asset, physics_scene
 from roomkin.stages.skills import FAR, Float
-from roomkin.stages.skills.chain import SkillChain
+from roomkin.stages.skills.motion import SkillChain
 from roomkin.stages.tasks.api import EnvWrapper
 from tests.refusals import refused
 from tests.unit.demo_assets import shifted

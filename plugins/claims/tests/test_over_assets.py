@@ -5,17 +5,17 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from roomkin.plugins.claims import asset_panels, assets
+from roomkin.plugins.claims import assets, more
 from roomkin.plugins.claims.more import make_panels
 from roomkin.plugins.claims.tables import assets_table, by_handle_table
 from roomkin.plugins.report.roles import lists_table, role_title, roles_table
 from roomkin.stages.config.tables import PolicyTables, TablesConfig
 from roomkin.stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from roomkin.stages.tables import table3
+from roomkin.stages.tables.figures import figure4
 from roomkin.stages.tables.markup import Table, markdown
 from roomkin.stages.tables.methods import join_published
 from roomkin.stages.tables.order import row_title, set_key, target_title, title
-from roomkin.stages.tables.policy_figures import figure4
 from roomkin.stages.tables.rows import published_policies
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
 
@@ -97,7 +97,7 @@ def test_table3_holds_roles_of_policies_alone(rows: pd.DataFrame) -> None:
 
 def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFrame) -> None:
     both = [*over_assets(UNSEEN, split="validation"), *over_assets(UNSEEN)]
-    points, thirds = asset_panels.points(frame(both)), asset_panels.tabulate_thirds(frame(both), OPTIONS)
+    points, thirds = more.spread_points(frame(both)), more.tabulate_thirds(frame(both), OPTIONS)
     assert len(points) == 4 * 24 and set(thirds["target"]) == {"door"}
     lengths = thirds[(thirds["axis"] == "handle_length") & (thirds["policy"] == "lite")]
     assert sorted(lengths["assets"].unique()) == [6, 12]  # handles that are alike stay in one third

@@ -10,8 +10,7 @@ from roomkin.plugins.claims.trainings import collect, failed, failed_note, train
 from roomkin.plugins.report import report
 from roomkin.plugins.studies import results
 from roomkin.stages.contracts.files import write_json
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.contracts.trained import TrainedPolicy, TrainingStore
 from roomkin.stages.tables import policies
 from roomkin.stages.tables.markup import markdown

@@ -10,7 +10,7 @@ from torch.nn import functional
 
 from roomkin.stages.config.matching import EncoderOptions
 from roomkin.stages.contracts.section import NotNegative, Section
-from roomkin.stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
+from roomkin.stages.geometry.masks import ObjectView, cut, foreground, masked_square, patch_positions
 from roomkin.stages.matching.encoders import Patches
 from roomkin.stages.perception.classification.efficientnet import COLUMNS, SIZE, STRIDE, load, to_input
 from roomkin.stages.plugins import parse_kwargs
@@ -46,11 +46,11 @@ class Encoder:
         """1 on the features, the option's on the position; depth is not used."""
         return np.append(np.ones(COLUMNS), [self.options.position] * 2).astype(np.float32)
 
-    def encode(self, views: list[View]) -> list[Patches]:
+    def encode(self, views: list[ObjectView]) -> list[Patches]:
         """Foreground patches of each view."""
         return [self._encode(view) for view in views]  # one by one: larger batches are slower on a CPU
 
-    def _encode(self, view: View) -> Patches:
+    def _encode(self, view: ObjectView) -> Patches:
         if not view.mask.any():
             return Patches(np.empty((0, COLUMNS), np.float32), np.empty((0, 2), np.float32))
         picture, coverage = masked_square(cut(view), SIZE, SIZE)

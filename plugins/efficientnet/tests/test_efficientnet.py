@@ -51,7 +51,7 @@ def test_folded_weights_do_what_convolution_and_normalisation_do() -> None:
     folded = network.fold(state)
     assert set(folded) == set(network.EfficientNet(None).state_dict())
     x = torch.randn(1, 32, 8, 8, generator=torch.Generator().manual_seed(1))
-    block = network.Block(32, 16, 3, 1, 1)
+    block = network.InvertedBlock(32, 16, 3, 1, 1)
     block.load_state_dict(
         {name.removeprefix("blocks.0."): value for name, value in folded.items() if "blocks.0." in name}
     )

@@ -7,8 +7,7 @@ from torch import Tensor, nn
 
 from roomkin.stages.contracts.episode_store import ACTION
 from roomkin.stages.policies.base import ActionMode
-from roomkin.stages.policies.bc_rnn_gmm import Policy
-from roomkin.stages.policies.mixture import POWERS
+from roomkin.stages.policies.bc_rnn_gmm import POWERS, Policy
 
 
 def portable(policy: Policy, mode: ActionMode) -> tuple[dict[str, Tensor], dict[str, Any]]:

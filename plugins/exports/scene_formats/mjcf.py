@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from roomkin.plugins.mujoco.mjcf_writer import TOUCHED, ModelWriter, document, text
-from roomkin.stages.contracts.look import GAMMA
-from roomkin.stages.generation.scene_models import CAMERA, Room
+from roomkin.stages.contracts.generated import GAMMA
+from roomkin.stages.generation.scene_models import CAMERA, ExportedScene
 from roomkin.stages.geometry.cameras import OPENGL
 from roomkin.stages.geometry.frames import quaternion_from_matrix, yaw_quaternion
 
 
-def write(room: Room, out: Path) -> None:
+def write(room: ExportedScene, out: Path) -> None:
     """Write the folder `out`. Joints are at their lower limits; what is not fixed to a wall has a free joint."""
     with document(out, f"{room.scene.scene}_rank_{room.scene.rank}") as (root, writer):
         visual = ET.SubElement(root, "visual")
@@ -21,7 +21,7 @@ def write(room: Room, out: Path) -> None:
         _furnish(writer, ET.SubElement(root, "worldbody"), room)
 
 
-def _furnish(writer: ModelWriter, world: ET.Element, room: Room) -> None:
+def _furnish(writer: ModelWriter, world: ET.Element, room: ExportedScene) -> None:
     """Light, camera, floor, walls and all bodies."""
     points = np.concatenate([body.corners for body in room.bodies])
     away = np.linalg.norm(np.ptp(points, axis=0)) / np.linalg.norm(room.light)
@@ -38,7 +38,7 @@ def _furnish(writer: ModelWriter, world: ET.Element, room: Room) -> None:
         writer.model(world, body.id, body.model, body.pose, body.fixed)
 
 
-def _camera(world: ET.Element, room: Room) -> None:
+def _camera(world: ET.Element, room: ExportedScene) -> None:
     generated, pose = room.scene, room.world_from_camera
     k = np.array(generated.intrinsics)
     width, height = generated.width, generated.height

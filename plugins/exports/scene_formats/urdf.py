@@ -12,17 +12,17 @@ from scipy.spatial.transform import Rotation
 
 from roomkin.stages.articulated.asset_folder import atomic_folder
 from roomkin.stages.articulated.model import Matrix
-from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.contracts.system import sync
-from roomkin.stages.generation.scene_models import CAMERA, Body, Room
+from roomkin.stages.generation.scene_models import CAMERA, Body, ExportedScene
 from roomkin.stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
-from roomkin.stages.simulation.backdrop import Block
+from roomkin.stages.simulation.room import ColoredBlock
 
 WORLD = "world"
 NAMES = {"link": "name", "joint": "name", "material": "name", "parent": "link", "child": "link", "mimic": "joint"}
 
 
-def write(room: Room, out: Path) -> None:
+def write(room: ExportedScene, out: Path) -> None:
     """Write the folder `out`. Free objects hang on the world by joints of type `floating`.
 
     Colors are as screens show them: viewers of URDF take them so, SAPIEN alone takes them as linear.
@@ -49,7 +49,7 @@ def write(room: Room, out: Path) -> None:
         sync(folder)
 
 
-def _index(room: Room) -> dict[str, object]:
+def _index(room: ExportedScene) -> dict[str, object]:
     placed = [
         {
             "id": body.id,
@@ -67,7 +67,7 @@ def _index(room: Room) -> dict[str, object]:
     return {"scene": room.scene.scene, "rank": room.scene.rank, "camera": camera, "objects": placed}
 
 
-def _add_block(world: ET.Element, block: Block) -> None:
+def _add_block(world: ET.Element, block: ColoredBlock) -> None:
     for kind in ("visual", "collision"):
         element = ET.SubElement(world, kind, name=block.name)
         ET.SubElement(element, "origin", _origin(make_transform(yaw_matrix(block.yaw), block.center)))

@@ -11,7 +11,7 @@ from roomkin.stages.articulated.surfaces import ColoredMesh, surfaces
 from roomkin.stages.articulated.urdf_writer import DAMPING, SURFACE_FRICTION
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.system import sync
-from roomkin.stages.generation.scene_models import CAMERA, Body, Room, surface_of
+from roomkin.stages.generation.scene_models import CAMERA, Body, ExportedScene, surface_of
 from roomkin.stages.geometry.cameras import OPENGL
 from roomkin.stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
 
@@ -25,7 +25,7 @@ except ImportError:
 ROOT, LOOKS = "/World", "/World/Looks"
 
 
-def write(room: Room, out: Path) -> None:
+def write(room: ExportedScene, out: Path) -> None:
     """Write the folder `out`: metres, kilograms, z up. Joints are at their lower limits."""
     with atomic_folder(out) as folder:
         stage = Usd.Stage.CreateNew(str(folder / "scene.usdc"))
@@ -56,7 +56,7 @@ class _Writer:
         friction.CreateStaticFrictionAttr(SURFACE_FRICTION)
         friction.CreateDynamicFrictionAttr(SURFACE_FRICTION)
 
-    def surroundings(self, room: Room) -> None:
+    def surroundings(self, room: ExportedScene) -> None:
         """Floor, walls, light and camera."""
         for block in room.blocks:
             path = f"{ROOT}/{_name(block.name)}"

@@ -13,12 +13,11 @@ import numpy as np
 import pytest
 
 from roomkin.plugins.exports.demonstrations import run
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.episode_store import read_episodes
-from roomkin.stages.contracts.task_options import TaskConfig
-from roomkin.stages.demonstrations.attempt import Recorder
-from roomkin.stages.demonstrations.store import RecordedEpisode, write_episodes
+from roomkin.stages.contracts.policy_config import TaskConfig
+from roomkin.stages.demonstrations.attempt import RecordedEpisode, Recorder, write_episodes
 from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.test_demonstrations import experiment
 

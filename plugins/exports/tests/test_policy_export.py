@@ -11,8 +11,7 @@ import torch
 
 from roomkin.plugins.exports.bc_rnn_gmm.loader import PortablePolicy
 from roomkin.plugins.exports.policy import run
-from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.policies.base import make_rollout_policy
 from roomkin.stages.policies.checkpoint import load_network, save_weights
 from roomkin.stages.policies.handle_points import segment_handles

@@ -21,10 +21,10 @@ from roomkin.stages.articulated.asset_folder import Description, read_asset, wri
 from roomkin.stages.articulated.model import Link, RobotModel, Visual
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.contracts import GeneratedScene, LibraryPart, write_json
-from roomkin.stages.contracts.look import ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.generated import ROOM_LIGHT, Look, Surface
 from roomkin.stages.contracts.objects import Mounting, Wall
 from roomkin.stages.generation.placed import Placed
-from roomkin.stages.generation.scene_models import Room, room_of
+from roomkin.stages.generation.scene_models import ExportedScene, room_of
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import look_at
 
@@ -45,7 +45,7 @@ def _painting(folder: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
+def room(tmp_path_factory: pytest.TempPathFactory) -> ExportedScene:
     """A cabinet that is held by the wall x = 3.3, a mug on it that is free, a painting above."""
     folder = tmp_path_factory.mktemp("models")
     for name in ("bottom_cabinet", "mug"):
@@ -80,7 +80,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
     return room_of(made, items, look)
 
 
-def body(room: Room, name: str) -> Any:
+def body(room: ExportedScene, name: str) -> Any:
     return next(each for each in room.bodies if each.id == name)
 
 
@@ -88,12 +88,12 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def loosened(room: Room) -> Room:
+def loosened(room: ExportedScene) -> ExportedScene:
     """The same with a cabinet that stands by itself."""
     return replace(room, bodies=[replace(each, fixed=each.id == "picture_1") for each in room.bodies])
 
 
-def test_trimesh_reads_the_glb(room: Room, tmp_path: Path) -> None:
+def test_trimesh_reads_the_glb(room: ExportedScene, tmp_path: Path) -> None:
     for name in ("a", "b"):
         glb.write(room, tmp_path / f"{name}.glb")
     assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
@@ -121,9 +121,9 @@ def test_trimesh_reads_the_glb(room: Room, tmp_path: Path) -> None:
 
 
 def test_the_look_of_the_picture_is_exported_where_it_is_given(
-    room: Room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    room: ExportedScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    written: list[Room] = []
+    written: list[ExportedScene] = []
     monkeypatch.setattr(scenes.glb, "write", lambda made, out: written.append(made))
     look = Look(light=(0.6, 0, -0.8), light_from="shadows", shadow_correlation=0.9, surfaces=[])
     for name, value in {"scene": room.scene, "library": LibraryPart(assets=[]), "look": look}.items():
@@ -135,7 +135,7 @@ def test_the_look_of_the_picture_is_exported_where_it_is_given(
     assert [made.light.tolist() for made in written] == [list(ROOM_LIGHT), [0.6, 0.0, -0.8]]
 
 
-def test_every_urdf_is_read_by_our_own_reader(room: Room, tmp_path: Path) -> None:
+def test_every_urdf_is_read_by_our_own_reader(room: ExportedScene, tmp_path: Path) -> None:
     urdf.write(room, tmp_path / "out")
     urdf.write(room, tmp_path / "again")
     assert files(tmp_path / "out") == files(tmp_path / "again")
@@ -149,7 +149,7 @@ def test_every_urdf_is_read_by_our_own_reader(room: Room, tmp_path: Path) -> Non
         assert told["fixed"] == there.fixed
 
 
-def test_yourdfpy_reads_the_urdf(room: Room, tmp_path: Path) -> None:
+def test_yourdfpy_reads_the_urdf(room: ExportedScene, tmp_path: Path) -> None:
     yourdfpy = pytest.importorskip("yourdfpy", reason="yourdfpy is missing: make setup")
     urdf.write(room, tmp_path)
     whole = yourdfpy.URDF.load(
@@ -169,14 +169,14 @@ def test_yourdfpy_reads_the_urdf(room: Room, tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def model(room: Room, tmp_path_factory: pytest.TempPathFactory) -> mujoco.MjModel:
+def model(room: ExportedScene, tmp_path_factory: pytest.TempPathFactory) -> mujoco.MjModel:
     """The scene as MuJoCo compiles it."""
     out = tmp_path_factory.mktemp("mjcf") / "out"
     mjcf.write(room, out)
     return mujoco.MjModel.from_xml_path(str(out / "scene.xml"))
 
 
-def test_mujoco_compiles_the_mjcf(room: Room, model: mujoco.MjModel) -> None:
+def test_mujoco_compiles_the_mjcf(room: ExportedScene, model: mujoco.MjModel) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     for each in room.bodies:
@@ -192,7 +192,7 @@ def test_mujoco_compiles_the_mjcf(room: Room, model: mujoco.MjModel) -> None:
     assert 16 in model.tex_width[: model.ntex]
 
 
-def test_mujoco_sees_through_the_input_camera(room: Room, model: mujoco.MjModel) -> None:
+def test_mujoco_sees_through_the_input_camera(room: ExportedScene, model: mujoco.MjModel) -> None:
     data, scene = mujoco.MjData(model), mujoco.MjvScene(model, 1000)
     mujoco.mj_forward(model, data)
     view = mujoco.MjvCamera()
@@ -208,7 +208,7 @@ def test_mujoco_sees_through_the_input_camera(room: Room, model: mujoco.MjModel)
     assert bottom == pytest.approx(-(HEIGHT - MIDDLE[1] - 0.5) / FOCAL, abs=1e-3)
 
 
-def test_nothing_flies_away_in_mujoco_and_doors_open(room: Room, model: mujoco.MjModel) -> None:
+def test_nothing_flies_away_in_mujoco_and_doors_open(room: ExportedScene, model: mujoco.MjModel) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     start = data.xpos.copy()
@@ -224,7 +224,7 @@ def test_nothing_flies_away_in_mujoco_and_doors_open(room: Room, model: mujoco.M
         assert data.qpos[there.qposadr[0]] - joint.lower > 0.5 * (joint.upper - joint.lower), joint.name
 
 
-def test_a_cabinet_that_stands_by_itself_stays_where_it_is(room: Room, tmp_path: Path) -> None:
+def test_a_cabinet_that_stands_by_itself_stays_where_it_is(room: ExportedScene, tmp_path: Path) -> None:
     mjcf.write(loosened(room), tmp_path)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert model.joint("cabinet_1").type[0] == mujoco.mjtJoint.mjJNT_FREE
@@ -236,7 +236,7 @@ def test_a_cabinet_that_stands_by_itself_stays_where_it_is(room: Room, tmp_path:
     assert np.linalg.norm(data.xpos - start, axis=1).max() < 0.01
 
 
-def test_pxr_reads_the_usd(room: Room, tmp_path: Path) -> None:
+def test_pxr_reads_the_usd(room: ExportedScene, tmp_path: Path) -> None:
     pxr = pytest.importorskip("pxr.Usd", reason="usd-core is missing: make setup")
     from pxr import UsdGeom, UsdPhysics
 

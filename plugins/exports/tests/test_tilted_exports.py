@@ -14,10 +14,9 @@ from trimesh import Trimesh
 from roomkin.plugins.exports.scene_formats import mjcf, urdf
 from roomkin.plugins.pictures import glb
 from roomkin.stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
-from roomkin.stages.articulated.forward_kinematics import link_frames
-from roomkin.stages.articulated.model import JointModel, Link, RobotModel, Visual
+from roomkin.stages.articulated.model import JointModel, Link, RobotModel, Visual, link_frames
 from roomkin.stages.contracts import GeneratedScene
-from roomkin.stages.generation.scene_models import Body, Room
+from roomkin.stages.generation.scene_models import Body, ExportedScene
 from roomkin.stages.geometry.frames import invert_transform, make_transform
 
 LOWER, UPPER = 0.35, 1.2
@@ -37,7 +36,7 @@ def link(name: str, size: tuple[float, float, float], turn: float) -> Link:
 
 
 @pytest.fixture(scope="module")
-def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
+def room(tmp_path_factory: pytest.TempPathFactory) -> ExportedScene:
     """A body with a door and a drawer, tilted in every way."""
     folder = tmp_path_factory.mktemp("model") / "tilted"
     links = [
@@ -58,15 +57,15 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
         intrinsics=[[150.0, 0, 99.5], [0, 150.0, 74.5], [0, 0, 1]], floor_from_camera=CAMERA.tolist(),
         walls=[], objects=[],
     )  # fmt: skip
-    return Room(made, [body], [], np.array([0.0, 0.6, -0.8]))
+    return ExportedScene(made, [body], [], np.array([0.0, 0.6, -0.8]))
 
 
-def frames(room: Room, opened: float = 0.0) -> dict[str, np.ndarray]:
+def frames(room: ExportedScene, opened: float = 0.0) -> dict[str, np.ndarray]:
     """world_from_link (4, 4) of every link."""
     return {name: POSE @ frame for name, frame in link_frames(room.bodies[0].model, opened).items()}
 
 
-def test_the_reader_finds_what_was_written(room: Room) -> None:
+def test_the_reader_finds_what_was_written(room: ExportedScene) -> None:
     hinge, runner = room.bodies[0].model.joints
     assert (hinge.lower, hinge.upper, runner.lower) == pytest.approx((LOWER, UPPER, 0.05), abs=1e-5)
     assert hinge.origin == pytest.approx(ORIGIN, abs=1e-6) and runner.origin == pytest.approx(SLIDE, abs=1e-6)
@@ -77,7 +76,7 @@ def test_the_reader_finds_what_was_written(room: Room) -> None:
     assert link_frames(room.bodies[0].model, 1.0)["door"] == pytest.approx(by_hand, abs=1e-6)
 
 
-def test_urdf(room: Room, tmp_path: Path) -> None:
+def test_urdf(room: ExportedScene, tmp_path: Path) -> None:
     yourdfpy = pytest.importorskip("yourdfpy", reason="yourdfpy is missing: make setup")
     urdf.write(room, tmp_path)
     whole = yourdfpy.URDF.load(str(tmp_path / "scene.urdf"))
@@ -94,7 +93,7 @@ def test_urdf(room: Room, tmp_path: Path) -> None:
     assert np.array(told["camera"]["world_from_camera"]) == pytest.approx(CAMERA)
 
 
-def test_mjcf(room: Room, tmp_path: Path) -> None:
+def test_mjcf(room: ExportedScene, tmp_path: Path) -> None:
     mjcf.write(room, tmp_path / "out")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out/scene.xml"))
     data = mujoco.MjData(model)
@@ -113,7 +112,7 @@ def test_mjcf(room: Room, tmp_path: Path) -> None:
     assert data.cam_xmat[eye].reshape(3, 3) == pytest.approx(CAMERA[:3, :3] @ np.diag([1, -1, -1]), abs=1e-5)
 
 
-def test_usd(room: Room, tmp_path: Path) -> None:
+def test_usd(room: ExportedScene, tmp_path: Path) -> None:
     pxr = pytest.importorskip("pxr.Usd", reason="usd-core is missing: make setup")
     from pxr import UsdGeom, UsdPhysics
 
@@ -157,7 +156,7 @@ def test_usd(room: Room, tmp_path: Path) -> None:
         assert moved == pytest.approx(closed, abs=1e-5)
 
 
-def test_glb(room: Room, tmp_path: Path) -> None:
+def test_glb(room: ExportedScene, tmp_path: Path) -> None:
     glb.write(room, tmp_path / "a.glb")
     scene = trimesh.load_scene(tmp_path / "a.glb")
     up = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])  # y is up
@@ -167,7 +166,7 @@ def test_glb(room: Room, tmp_path: Path) -> None:
     assert scene.graph["input_camera"][0] == pytest.approx(eye, abs=1e-5)
 
 
-def by_name(room: Room, name: str) -> JointModel:
+def by_name(room: ExportedScene, name: str) -> JointModel:
     return next(joint for joint in room.bodies[0].model.joints if joint.name == name)
 
 
@@ -175,8 +174,8 @@ def rotation(quaternion: Any) -> np.ndarray:
     return Rotation.from_quat([*quaternion.GetImaginary(), quaternion.GetReal()]).as_matrix()
 
 
-def test_a_body_stretched_along_an_axis_keeps_its_closed_places(room: Room) -> None:
-    from roomkin.stages.articulated.stretching import stretch_model
+def test_a_body_stretched_along_an_axis_keeps_its_closed_places(room: ExportedScene) -> None:
+    from roomkin.stages.articulated.resizing import stretch_model
 
     model, scale = room.bodies[0].model, (1.5, 0.8, 1.2)
     made = stretch_model(model, scale)

@@ -14,7 +14,7 @@ from roomkin.plugins.films.rollouts import RolloutFilms, add_caption, pick_episo
 from roomkin.stages.contracts.archives import unpack
 from roomkin.stages.contracts.files import read_json
 from roomkin.stages.demonstrations.collect import run
-from roomkin.stages.evaluation.episodes import RolloutEpisode
+from roomkin.stages.evaluation.vector_env import RolloutEpisode
 from tests.unit.demo_assets import an_asset
 from tests.unit.test_demonstrations import TASK, experiment
 from tests.unit.test_rollout import Made, evaluate, folder, toy_simulator

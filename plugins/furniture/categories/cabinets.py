@@ -6,7 +6,7 @@ from roomkin.plugins.furniture.cabinet import Cabinet
 from roomkin.plugins.furniture.category import Fronts, category
 from roomkin.plugins.furniture.colors import PAINTS, STONES, TILES, WOODS, Palette, pick
 from roomkin.plugins.furniture.finishes import shade
-from roomkin.plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES
+from roomkin.plugins.furniture.fronts import HANDLE_SHARES, HANDLES, STYLES
 from roomkin.plugins.furniture.model import Size
 from roomkin.plugins.furniture.recipe import Rng, Sampled, round_size, uniform
 

@@ -5,12 +5,11 @@ from typing import Literal
 import numpy as np
 
 from roomkin.plugins.furniture.cabinet import Cabinet
-from roomkin.plugins.furniture.cabinet_recipe import PanelStyle
 from roomkin.plugins.furniture.categories.tables_and_beds import Legs, supports
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
 from roomkin.plugins.furniture.finishes import shade
-from roomkin.plugins.furniture.handles import HANDLE_SHARES, HANDLES, STYLES, Style
+from roomkin.plugins.furniture.fronts import HANDLE_SHARES, HANDLES, STYLES, PanelStyle, Style
 from roomkin.plugins.furniture.model import FOAM, METAL, Model, Moving, Parts, Size, move_model
 from roomkin.plugins.furniture.recipe import (
     Coating,

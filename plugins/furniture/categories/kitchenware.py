@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from roomkin.plugins.furniture.categories.containers import DARK, LIGHT
+from roomkin.plugins.furniture.categories.containers import DARK_LID, LIGHT
 from roomkin.plugins.furniture.categories.vessels import ear, hollow
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
@@ -84,15 +84,15 @@ class Toaster(Generator):
         foot = 0.05 * z
         parts = Parts()
         for a, b in itertools.product((-0.8 * x, 0.6 * x), (-0.8 * y, 0.6 * y)):
-            parts.add(box((a, a + 0.03), (b, b + 0.02), (0, foot)), DARK)
+            parts.add(box((a, a + 0.03), (b, b + 0.02), (0, foot)), DARK_LID)
         parts.add(cushion((-x, -y, foot), (x - 0.02, y, z), self.edge), self.colour, LIGHT)
         skirt = box((-0.97 * x, x - 0.022), (-y - 0.001, y + 0.001), (foot, 0.2 * z))
         parts.add(skirt, self.trim_colour, LIGHT, solid=False)
         count = self.slots
         for b in (np.arange(count) - (count - 1) / 2) * 0.9 * size[1] / (count + 0.5):
-            parts.add(box((-0.72 * x, 0.66 * x), (b - 0.012, b + 0.012), (z - 0.001, z + 0.001)), DARK, solid=False)
+            parts.add(box((-0.72 * x, 0.66 * x), (b - 0.012, b + 0.012), (z - 0.001, z + 0.001)), DARK_LID, solid=False)
         parts.add(box((x - 0.024, x), (-0.12 * y, 0.12 * y), (0.66 * z, 0.74 * z)), self.trim_colour, PLASTIC)
-        parts.add(box((x - 0.024, x - 0.019), (-0.03 * y, 0.03 * y), (0.25 * z, 0.8 * z)), DARK, solid=False)
+        parts.add(box((x - 0.024, x - 0.019), (-0.03 * y, 0.03 * y), (0.25 * z, 0.8 * z)), DARK_LID, solid=False)
         dial = rod((x - 0.022, 0.4 * y, 0.35 * z), (x - 0.006, 0.4 * y, 0.35 * z), 0.014)
         parts.add(dial, self.trim_colour, PLASTIC, smooth=True)
         return Model(parts, placement="object")

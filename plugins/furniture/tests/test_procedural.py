@@ -10,16 +10,14 @@ import yaml
 
 from roomkin.plugins.furniture.cabinet import Cabinet
 from roomkin.plugins.furniture.catalogue import ALL, CATEGORIES, sample
-from roomkin.plugins.furniture.facts import categories_text, counts_text, describe_category
+from roomkin.plugins.furniture.facts import REAL_SIZES, categories_text, counts_text, describe_category
 from roomkin.plugins.furniture.finishes import finish_of
-from roomkin.plugins.furniture.folder import build, generate, make_model
-from roomkin.plugins.furniture.front_cells import cells
+from roomkin.plugins.furniture.folder import build, generate, make_model, mass_properties
+from roomkin.plugins.furniture.fronts import cells
 from roomkin.plugins.furniture.model import bounds
-from roomkin.plugins.furniture.real_sizes import REAL_SIZES
-from roomkin.plugins.furniture.robot import mass_properties
 from roomkin.plugins.furniture.shapes import bounds_of, cushion, rod, shell_pieces, slab
 from roomkin.stages.articulated.asset_folder import Description, checksum
-from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
+from roomkin.stages.articulated.model import link_frames, measure_closed_box
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.config import categories as counts
 from roomkin.stages.config.assets import COUNTS

@@ -6,8 +6,8 @@ import pytest
 from roomkin.plugins.furniture.catalogue import CATEGORIES, sample
 from roomkin.plugins.furniture.finishes import finish_of
 from roomkin.plugins.furniture.folder import generate
+from roomkin.plugins.furniture.makers.furniture import is_finish, paint, refinish
 from roomkin.plugins.furniture.model import bounds, parts_of
-from roomkin.plugins.furniture.refinishing import is_finish, paint, refinish
 
 
 @pytest.mark.parametrize("category", sorted(CATEGORIES))

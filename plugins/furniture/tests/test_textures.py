@@ -7,8 +7,7 @@ import pytest
 
 from roomkin.plugins.furniture.catalogue import sample
 from roomkin.plugins.furniture.finishes import MATERIALS, Finish, change_material, finish_of, shade
-from roomkin.plugins.furniture.folder import build, generate
-from roomkin.plugins.furniture.robot import robot_of
+from roomkin.plugins.furniture.folder import build, generate, robot_of
 from roomkin.plugins.furniture.textures import SIDE, pattern_of, texture_of
 from roomkin.stages.articulated.model import Texture
 from roomkin.stages.articulated.resizing import resize_asset

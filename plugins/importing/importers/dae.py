@@ -7,8 +7,7 @@ import numpy as np
 from roomkin.plugins.importing.importers import Importer
 from roomkin.plugins.importing.mesh_files.dae import up_of
 from roomkin.plugins.importing.single_body import read_mesh
-from roomkin.stages.articulated.forward_kinematics import change_root
-from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.model import RobotModel, change_root
 from roomkin.stages.geometry.frames import make_transform
 
 TURNS = {  # rows: x, y and z of a model whose file faces +z, as with glTF

@@ -12,7 +12,7 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from roomkin.plugins.importing.buttons import mark_buttons
+from roomkin.plugins.importing.hinges import mark_buttons
 from roomkin.plugins.importing.importers import Importer
 from roomkin.plugins.importing.mjcf_file import compile_model
 from roomkin.stages.articulated.mesh_reader import convex_pieces

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from roomkin.plugins.importing.buttons import mark_buttons, read_semantics
+from roomkin.plugins.importing.hinges import mark_buttons, read_semantics
 from roomkin.plugins.importing.importers import Importer
 from roomkin.stages.articulated.model import RobotModel
 from roomkin.stages.articulated.urdf_reader import read_urdf

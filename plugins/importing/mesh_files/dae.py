@@ -9,7 +9,7 @@ import trimesh
 from trimesh import Scene
 
 from roomkin.stages.articulated.mesh_files import MeshReader
-from roomkin.stages.articulated.mesh_files.polygons import Corners, Triangles, split
+from roomkin.stages.articulated.mesh_files.obj import Corners, Triangles, split
 from roomkin.stages.articulated.mesh_resolver import MeshResolver
 from roomkin.stages.articulated.urdf_tree import MAX_NUMBER
 from roomkin.stages.contracts.errors import InputError

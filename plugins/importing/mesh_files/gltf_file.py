@@ -37,7 +37,7 @@ from roomkin.plugins.importing.mesh_files.gltf_header import (
 from roomkin.stages.articulated.mesh_resolver import MeshResolver
 from roomkin.stages.articulated.urdf_tree import MOST_SHAPES
 from roomkin.stages.contracts.errors import explain
-from roomkin.stages.contracts.look import GAMMA
+from roomkin.stages.contracts.generated import GAMMA
 
 Numbers = NDArray[np.float64]
 LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}  # what is 1 in a normalized accessor, by component type

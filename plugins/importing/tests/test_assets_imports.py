@@ -8,13 +8,11 @@ import trimesh
 
 from roomkin.plugins.importing import imports
 from roomkin.plugins.importing.discover import discover
-from roomkin.plugins.importing.naming import snake_case
+from roomkin.plugins.importing.sandbox import snake_case
 from roomkin.plugins.importing.tests.own_models import import_folder, import_model
-from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
 from roomkin.stages.articulated.mesh_reader import convex_pieces
-from roomkin.stages.articulated.model import RobotModel
-from roomkin.stages.articulated.resizing import resize_asset
-from roomkin.stages.articulated.stretching import stretch_model
+from roomkin.stages.articulated.model import RobotModel, link_frames, measure_closed_box
+from roomkin.stages.articulated.resizing import resize_asset, stretch_model
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_json

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from roomkin.plugins.importing.buttons import explain_unpushable, mark_buttons
+from roomkin.plugins.importing.hinges import explain_unpushable, mark_buttons
 from roomkin.plugins.importing.import_ import run
 from roomkin.plugins.importing.importers.mjcf import read_mjcf
 from roomkin.plugins.importing.tests.own_models import import_folder
 from roomkin.plugins.importing.tests.test_fronts import box, cabinet, joint
-from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.model import link_frames
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.plugins import load
 

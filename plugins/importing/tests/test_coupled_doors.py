@@ -11,10 +11,8 @@ from sapien.physx import PhysxArticulation
 
 from roomkin.plugins.importing.importers.mjcf import read_mjcf
 from roomkin.plugins.mujoco.mjcf_writer import document
-from roomkin.stages.articulated.asset_folder import Description, read_model, write_asset
-from roomkin.stages.articulated.forward_kinematics import link_frames
-from roomkin.stages.articulated.model import RobotModel
-from roomkin.stages.articulated.part_types import assign_part_types
+from roomkin.stages.articulated.asset_folder import Description, assign_part_types, read_model, write_asset
+from roomkin.stages.articulated.model import RobotModel, link_frames
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.simulation.loading import load_asset, physics_scene
 

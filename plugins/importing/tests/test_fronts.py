@@ -11,13 +11,11 @@ import trimesh
 
 from roomkin.plugins.importing.discover import discover
 from roomkin.plugins.importing.fronts import doors_and_drawers, front_direction
-from roomkin.plugins.importing.pushing import stuck_joints
-from roomkin.plugins.importing.solid_handle import with_solid_handles
+from roomkin.plugins.importing.repairs import stuck_joints, with_solid_handles
 from roomkin.plugins.importing.tests.own_models import import_folder
-from roomkin.stages.articulated.asset_folder import read_model
-from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.asset_folder import assign_part_types, contract_joints, read_model
 from roomkin.stages.articulated.handle import find_handle
-from roomkin.stages.articulated.part_types import assign_part_types, contract_joints
+from roomkin.stages.articulated.model import link_frames
 from roomkin.stages.articulated.resizing import resize_asset
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.contracts.categories import category_in

@@ -12,9 +12,8 @@ import trimesh
 from PIL import Image
 
 from roomkin.plugins.importing.evidence import Evidence
-from roomkin.plugins.importing.import_ import describe_left_behind, run
+from roomkin.plugins.importing.import_ import ARROW, describe_left_behind, run
 from roomkin.plugins.importing.own import run as own
-from roomkin.plugins.importing.portrait import ARROW
 from roomkin.plugins.importing.tests.own_models import import_folder
 from roomkin.plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
 from roomkin.stages.contracts.categories import known_categories

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from roomkin.plugins.importing.importers.dae import read_dae
-from roomkin.stages.articulated.mesh_files.polygons import split, triangles_of
+from roomkin.stages.articulated.mesh_files.obj import split, triangles_of
 from roomkin.stages.articulated.mesh_reader import has_texture, load_meshes
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from tests.refusals import refused

@@ -11,7 +11,7 @@ from PIL import Image
 from roomkin.plugins.importing.discover import discover
 from roomkin.plugins.importing.importers.mjcf import read_mjcf
 from roomkin.plugins.importing.tests.own_models import import_folder
-from roomkin.stages.articulated.forward_kinematics import link_frames
+from roomkin.stages.articulated.model import link_frames
 from roomkin.stages.geometry.frames import transform_points
 from tests.refusals import refused
 

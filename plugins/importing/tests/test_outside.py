@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from roomkin.plugins.importing import mjcf_sources
+from roomkin.plugins.importing import mjcf_file
 from roomkin.plugins.importing.importers.mjcf import read_mjcf
 from roomkin.plugins.importing.imports import IMPORTERS, by_suffix, import_models, named_models
 from roomkin.stages.articulated.mesh_reader import load_meshes
@@ -79,7 +79,7 @@ NAMING += [(("mujoco", "include"), "file"), (("mujoco", "worldbody", "body", "in
 def test_mjcf_names_files_and_folders_by_no_other_attributes() -> None:
     names = {name for _, attributes in schema() for name in attributes if re.search("file|path|dir|ur[il]|src", name)}
     assert {name for name in names if not name.startswith("file")} == {
-        *mjcf_sources.DIRECTORIES, "strippath", "dir", "directional"  # of a light
+        *mjcf_file.DIRECTORIES, "strippath", "dir", "directional"  # of a light
     }  # fmt: skip
     assert {"mesh", "hfield", "skin", "texture", "model", "flexcomp", "include"} <= {path[-1] for path, _ in NAMING}
 
@@ -90,7 +90,7 @@ def test_no_element_of_mjcf_reads_a_file_outside(
     mine: Path, path: tuple[str, ...], name: str, seeing: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if not seeing:  # as if the attribute were one that we do not know
-        monkeypatch.setattr(mjcf_sources, "_names", lambda element: [])
+        monkeypatch.setattr(mjcf_file, "_names", lambda element: [])
     ends = {"texture": (".png",), "hfield": (".png",), "model": (".xml",), "include": (".xml",)}
     more = {"flexcomp": 'name="n" type="mesh" ', "include": ""}.get(path[-1], 'name="n" ')
     said = list[str]()
@@ -115,7 +115,7 @@ ATTACHING = (
 MESH = '<asset><mesh name="m" file="secret.stl"/></asset><worldbody><body name="b"><geom type="mesh" mesh="m"/></body>'
 
 
-@pytest.mark.parametrize("key", mjcf_sources.DIRECTORIES)
+@pytest.mark.parametrize("key", mjcf_file.DIRECTORIES)
 @pytest.mark.parametrize("folder", ["../outside", "{outside}", "linked", "..\\outside", "parts/../../outside/"])
 def test_no_folder_of_a_model_that_is_attached_or_included_lies_outside(mine: Path, key: str, folder: str) -> None:
     told = folder.format(outside=mine.parent / "outside")

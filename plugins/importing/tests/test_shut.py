@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from roomkin.plugins.importing.fronts import doors_and_drawers, front_direction
+from roomkin.plugins.importing.hinges import shut_where_smallest
 from roomkin.plugins.importing.importers.mjcf import read_mjcf
-from roomkin.plugins.importing.shut import shut_where_smallest
 from roomkin.plugins.importing.tests.test_coupled_doors import PAIR
 from roomkin.plugins.importing.tests.test_fronts import box
-from roomkin.stages.articulated.forward_kinematics import link_frames, measure_closed_box
-from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.model import RobotModel, link_frames, measure_closed_box
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from tests.unit.articulated_models import write_cabinet
 

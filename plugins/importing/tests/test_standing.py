@@ -11,8 +11,8 @@ from roomkin.plugins.importing import reach
 from roomkin.plugins.importing.reach import find_middle_state, list_unreachable
 from roomkin.plugins.importing.tests.own_models import import_model
 from roomkin.plugins.importing.tests.test_fronts import box, joint
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.config.training import DemonstrationsConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import Recorder
 from roomkin.stages.planning.articulation import choose_open_goals
 from roomkin.stages.planning.clearance import Surroundings

@@ -8,18 +8,17 @@ import pytest
 import trimesh
 from PIL import Image
 
-from roomkin.plugins.importing import pushing
+from roomkin.plugins.importing import repairs
 from roomkin.plugins.importing.discover import discover
 from roomkin.plugins.importing.fronts import doors_and_drawers
-from roomkin.plugins.importing.import_ import run
+from roomkin.plugins.importing.import_ import Portraits, run
 from roomkin.plugins.importing.importers.mjcf import read_mjcf
-from roomkin.plugins.importing.inertia_repair import repair_inertias
-from roomkin.plugins.importing.naming import number_names, strip_name
-from roomkin.plugins.importing.portrait import Portraits
+from roomkin.plugins.importing.repairs import repair_inertias
+from roomkin.plugins.importing.sandbox import number_names, strip_name
 from roomkin.plugins.importing.tests.test_fronts import box, joint
+from roomkin.stages.articulated.asset_folder import assign_part_types, contract_joints
 from roomkin.stages.articulated.mesh_writer import write_glb
 from roomkin.stages.articulated.model import Link
-from roomkin.stages.articulated.part_types import assign_part_types, contract_joints
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.contracts.categories import category_in
 from tests.refusals import refused
@@ -140,7 +139,7 @@ def test_what_the_simulator_does_not_take_stops_no_other(
     if what == "picture":
         monkeypatch.setattr(Portraits, "take", refuse(Portraits.take, 1))
     else:
-        monkeypatch.setattr(pushing, "load_asset", refuse(pushing.load_asset, 1))
+        monkeypatch.setattr(repairs, "load_asset", refuse(repairs.load_asset, 1))
     run(tmp_path / "theirs", out=tmp_path / "mine")
     said = capsys.readouterr().out
     assert "1 of 2 models can be used" in said

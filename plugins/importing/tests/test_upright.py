@@ -10,8 +10,7 @@ from roomkin.plugins.importing.fronts import doors_and_drawers
 from roomkin.plugins.importing.importers import Axis
 from roomkin.plugins.importing.imports import axis_vector
 from roomkin.plugins.importing.tests.test_fronts import box, joint
-from roomkin.stages.articulated.forward_kinematics import change_root, measure_closed_box
-from roomkin.stages.articulated.model import RobotModel
+from roomkin.stages.articulated.model import RobotModel, change_root, measure_closed_box
 from roomkin.stages.articulated.urdf_reader import read_urdf
 from roomkin.stages.geometry.frames import make_transform
 

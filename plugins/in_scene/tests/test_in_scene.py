@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from roomkin.plugins.films.contract import read_films
-from roomkin.plugins.in_scene.base_shifts import find_obstacle, list_base_shifts
 from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
 from roomkin.plugins.in_scene.demonstrate import run
-from roomkin.plugins.in_scene.room import OBSTACLES_WITHIN, GeneratedRoom, read_room
+from roomkin.plugins.in_scene.room import OBSTACLES_WITHIN, GeneratedRoom, find_obstacle, list_base_shifts, read_room
 from roomkin.stages.contracts import InputError, read_json, write_json
 from roomkin.stages.contracts.archives import unpack
 from roomkin.stages.contracts.episode_store import read_episodes
@@ -18,7 +17,7 @@ from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject
 from roomkin.stages.contracts.library_folder import write_part
 from roomkin.stages.contracts.objects import Wall
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.tasks.api import EnvWrapper
 from tests.packages import needs
 from tests.refusals import refused

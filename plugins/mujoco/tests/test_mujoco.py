@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from roomkin.plugins.mujoco.camera import DepthCamera
 from roomkin.plugins.mujoco.environment import MujocoTaskEnv
-from roomkin.plugins.mujoco.world import MODEL
-from roomkin.stages.config.demonstrations import DemonstrationsConfig
+from roomkin.plugins.mujoco.world import MODEL, DepthCamera
+from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import Asset, read_json
-from roomkin.stages.contracts.task_options import TaskConfig
+from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 from roomkin.stages.simulation.film_renderer import FilmRenderer
 from roomkin.stages.skills import FAR, Float
-from roomkin.stages.skills.chain import SkillChain
+from roomkin.stages.skills.motion import SkillChain
 from roomkin.stages.tasks.api import EnvWrapper
 from roomkin.stages.tasks.initial_state import sample_scale
 from tests.refusals import refused

@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from roomkin.plugins.ops import finished
-from roomkin.plugins.ops.finished import METADATA, NAMED, list_files, list_for_run, warn_of_changed
-from roomkin.plugins.ops.verify import run
+from roomkin.plugins.ops import verify
+from roomkin.plugins.ops.verify import METADATA, NAMED, list_files, list_for_run, run, warn_of_changed
 from roomkin.stages.articulated.asset_folder import atomic_folder
-from roomkin.stages.contracts import checksums
+from roomkin.stages.contracts import files
 from roomkin.stages.contracts.__main__ import main as check
 from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.errors import escape_control
@@ -118,11 +117,11 @@ def test_without_a_checksum_the_contract_is_held(folder: Path) -> None:
 
 
 def test_the_same_files_have_the_same_record_and_a_new_file_a_new_one(folder: Path) -> None:
-    before = checksums.read_recorded(Path(TABLE))
+    before = files.read_recorded(Path(TABLE))
     write_text(Path(TABLE), "seed,success\n")
-    assert checksums.read_recorded(Path(TABLE)) not in (None, before)
+    assert files.read_recorded(Path(TABLE)) not in (None, before)
     write_text(Path(TABLE), "seed,success\n0,1\n1,0\n")
-    assert checksums.read_recorded(Path(TABLE)) == before
+    assert files.read_recorded(Path(TABLE)) == before
     run()
 
 
@@ -130,20 +129,20 @@ def test_a_kill_before_the_record_leaves_none(folder: Path, monkeypatch: pytest.
     def killed(path: Path) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(checksums, "record", killed)
+    monkeypatch.setattr(files, "record", killed)
     with pytest.raises(KeyboardInterrupt):
         write_text(Path(TABLE), "seed\n")
     with pytest.raises(KeyboardInterrupt), atomic_folder(Path("results/exports/lerobot")) as out:
         (out / "info.json").write_text("{ }\n")
-    assert checksums.read_recorded(Path(TABLE)) is None
+    assert files.read_recorded(Path(TABLE)) is None
     assert not Path("results/.checksums/exports/lerobot").exists()
 
 
 def test_half_a_record_is_none(folder: Path) -> None:
-    record = checksums.record_of(Path(TABLE))
+    record = files.record_of(Path(TABLE))
     assert record
     record.write_text(record.read_text()[:30])
-    assert checksums.read_recorded(Path(TABLE)) is None
+    assert files.read_recorded(Path(TABLE)) is None
 
 
 def test_what_is_no_result_gets_no_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -173,9 +172,9 @@ def test_the_workflows_own_check_records_what_a_command_of_the_users_wrote(
     path.parent.mkdir()
     path.write_text('{"version": 1, "ground": null, "walls": 0, "things": []}\n')
     assert check(["things", str(path)]) == 0
-    assert checksums.read_recorded(path) is None, "by hand: what is broken must not pass for whole"
+    assert files.read_recorded(path) is None, "by hand: what is broken must not pass for whole"
     assert check(["--refuse", "things", str(path)]) == 0
-    assert checksums.read_recorded(path) == checksums.digest_of(path)
+    assert files.read_recorded(path) == files.digest_of(path)
     path.write_text("{}\n")
     assert check(["--refuse", "things", str(path)]) == 1
     assert not list(Path("results/.checksums").rglob("*.json"))
@@ -230,7 +229,7 @@ def test_what_cannot_be_read_is_told_and_the_rest_verified(folder: Path, monkeyp
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
 
     scan, opened = os.scandir, Path.open
-    closed = ["results/demos", "results/rgb.png", str(checksums.record_of(Path("results/camera.json")))]
+    closed = ["results/demos", "results/rgb.png", str(files.record_of(Path("results/camera.json")))]
     monkeypatch.setattr(os, "scandir", lambda path: refuse(path) if str(path) in closed else scan(path))
     monkeypatch.setattr(
         Path,
@@ -241,7 +240,7 @@ def test_what_cannot_be_read_is_told_and_the_rest_verified(folder: Path, monkeyp
     assert "3 broken:" in said and f"{TABLE}: differs from its checksum" in said
     assert "results/demos: cannot be read (Permission denied)" in said
     assert "results/rgb.png: cannot be read (Permission denied)" in said
-    assert checksums.read_recorded(Path("results/camera.json")) is None
+    assert files.read_recorded(Path("results/camera.json")) is None
 
 
 def test_pipes_and_links_to_nowhere_are_passed_over(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -260,7 +259,7 @@ def test_a_result_written_from_elsewhere_has_its_new_checksum(
     """Also below a scene that is called results, by a path with .., and of a run inside results."""
     inside = folder / "results/scenes/results/view.json"
     write_json(inside, {})
-    assert checksums.record_of(inside) == folder / "results/.checksums/scenes/results/view.json"
+    assert files.record_of(inside) == folder / "results/.checksums/scenes/results/view.json"
     monkeypatch.chdir(folder / "results/demos")
     write_text(Path("../evaluation/rollouts.csv"), "seed\n")
     monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
@@ -273,7 +272,7 @@ def test_a_result_written_from_elsewhere_has_its_new_checksum(
 
     monkeypatch.chdir(folder / "results/demos")
     write_text(Path("results/a.csv"), "a\n")
-    assert checksums.read_recorded(Path("results/a.csv"), Path("results"))
+    assert files.read_recorded(Path("results/a.csv"), Path("results"))
 
 
 def test_a_folder_called_results_that_no_run_wrote_gets_no_checksums(
@@ -319,7 +318,7 @@ def test_before_a_run_the_largest_files_are_left_out(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sizes = list_files(Path("results"))[0]
-    monkeypatch.setattr(finished, "MOST", sum(sizes.values()) - 1)
+    monkeypatch.setattr(verify, "MOST", sum(sizes.values()) - 1)
     largest = max(sizes, key=lambda path: sizes[path])
     damage(largest, "flip")
     warn_of_changed(list_for_run(Path("results")), Path("results"))

@@ -8,7 +8,7 @@ import pytest
 from roomkin.plugins.furniture.catalogue import sample
 from roomkin.plugins.furniture.folder import build
 from roomkin.plugins.pictures.look import (
-    Seen,
+    SeenPixels,
     estimate_light,
     estimate_look,
     find_bounds,
@@ -18,13 +18,13 @@ from roomkin.plugins.pictures.look import (
 )
 from roomkin.plugins.pictures.painting import furnish
 from roomkin.stages.contracts import GeneratedScene, Objects
-from roomkin.stages.contracts.look import ROOM_LIGHT, Look, Surface
+from roomkin.stages.contracts.generated import ROOM_LIGHT, Look, Surface
 from roomkin.stages.contracts.objects import Mounting, SceneObject, Wall
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.simulation.backdrop import WALL_HEIGHT
 from roomkin.stages.simulation.rendering import RenderCamera, instance_id
+from roomkin.stages.simulation.room import WALL_HEIGHT
 
 WIDTH, HEIGHT = 200, 150
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=99)  # the plane x = 4
@@ -151,7 +151,7 @@ def test_a_wall_is_seen_up_to_its_end_or_stands_to_the_height_of_a_room() -> Non
     still = np.zeros(1600, int)
     highest = {}
     for above in (False, True):
-        seen = Seen(np.array([-1.0, 0, 0]), still, still, points, np.zeros((1600, 3)), above)
+        seen = SeenPixels(np.array([-1.0, 0, 0]), still, still, points, np.zeros((1600, 3)), above)
         (left, low), (right, highest[above]) = find_bounds("wall_1", seen)
         assert (left, right) == pytest.approx((-1.3, 1.3), abs=0.02) and low == 0  # it goes on a little at the border
     assert highest == {False: pytest.approx(1.2, abs=0.02), True: WALL_HEIGHT}

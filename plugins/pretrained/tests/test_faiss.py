@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from roomkin.stages.matching.ranking import vote
 from roomkin.stages.matching.search import distance_table
-from roomkin.stages.matching.voting import vote
 from roomkin.stages.plugins import load
 from tests.unit.test_matching_search import patches
 

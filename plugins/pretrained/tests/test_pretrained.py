@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roomkin.plugins.pretrained.dinov2 import load_dinov2, read_fetched
+from roomkin.plugins.pretrained.encoders.dinov2 import load_dinov2, read_fetched
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.config.weights import DINOV2, FOLDER
 from roomkin.stages.matching.encoders import make_encoder

@@ -5,10 +5,10 @@ Named for models and for orientations, nothing is encoded and nothing compared (
 
 import numpy as np
 
-from roomkin.plugins.render_and_compare.yaws import aligned_yaws, is_front_known
+from roomkin.plugins.render_and_compare.observation import aligned_yaws, is_front_known
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
-from roomkin.stages.geometry.viewing import view_angle
+from roomkin.stages.geometry.cameras import view_angle
 from roomkin.stages.matching.priors import sum_priors
 from roomkin.stages.matching.question import DIGITS, AbstainedError, Question
 

@@ -12,8 +12,8 @@ from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import Cousins, Objects, read_json
 from roomkin.stages.contracts.cousins import Candidate, Orientation
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from roomkin.stages.geometry.crop import View
 from roomkin.stages.geometry.frames import angle_difference, make_transform, wrap_angle
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.judges import AbstainedError, Question
 from roomkin.stages.matching.match import run as match
 from roomkin.stages.matching.snapshots import Snapshots
@@ -21,7 +21,7 @@ from tests.refusals import refused
 from tests.unit.matching_data import SHOWN, World
 
 BLIND = {"model_selection": "priors", "orientation_selection": "priors"}
-NOTHING = View(np.zeros((4, 4, 3), np.uint8), np.zeros((4, 4), bool))
+NOTHING = ObjectView(np.zeros((4, 4, 3), np.uint8), np.zeros((4, 4), bool))
 
 
 @pytest.fixture(scope="module")

@@ -14,22 +14,20 @@ from PIL import Image
 
 from roomkin.plugins.pictures.cousins import write_picture
 from roomkin.plugins.render_and_compare.config import GeometryConfig
-from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
-from roomkin.plugins.render_and_compare.in_place import InPlace
-from roomkin.plugins.render_and_compare.judges.geometry import MIN_FIT
-from roomkin.plugins.render_and_compare.judges.geometry import Judge as Geometry
-from roomkin.plugins.render_and_compare.judges.rerender import Judge as Rerender
-from roomkin.plugins.render_and_compare.noisy_cloud import NoisyCloud
-from roomkin.plugins.render_and_compare.observation import Observation, free_sides, observe
-from roomkin.plugins.render_and_compare.rendering import Rendering, render
-from roomkin.plugins.render_and_compare.solid import ColoredSolid
-from roomkin.plugins.render_and_compare.terms import (
+from roomkin.plugins.render_and_compare.fits import (
     color_agreement,
     compare,
     line_agreement,
     line_field,
     outline_agreement,
 )
+from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
+from roomkin.plugins.render_and_compare.in_place import InPlace
+from roomkin.plugins.render_and_compare.judges.geometry import MIN_FIT
+from roomkin.plugins.render_and_compare.judges.geometry import Judge as Geometry
+from roomkin.plugins.render_and_compare.judges.rerender import Judge as Rerender
+from roomkin.plugins.render_and_compare.observation import NoisyCloud, ObservedGrid, free_sides, observe
+from roomkin.plugins.render_and_compare.rendering import ColoredSolid, Rendering, render
 from roomkin.stages.articulated.asset_folder import Description, write_asset
 from roomkin.stages.articulated.model import Link, RobotModel, Visual
 from roomkin.stages.config.matching import matching_model
@@ -40,8 +38,8 @@ from roomkin.stages.contracts.library_folder import write_part
 from roomkin.stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.geometry.crop import View
 from roomkin.stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.judges import AbstainedError, Question
 from roomkin.stages.matching.snapshots import Snapshots
 from tests.unit.matching_data import trace_box, write_snapshots
@@ -95,7 +93,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def question(library: Path, yaw: float, panels: tuple[int, int] = (2, 1), **changes: object) -> Question:
     """A box of SIZE at the origin, turned by `yaw`; the floor frame is the world."""
     rgb, depth = trace_box(SIZE, yaw, panels, POSE, INTRINSICS, SIDE, SIDE)
-    view = View(rgb, depth > 0, depth, INTRINSICS, POSE[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
+    view = ObjectView(rgb, depth > 0, depth, INTRINSICS, POSE[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
     box = Box(center=(0, 0, 0), size=SIZE, yaw=wrap_angle(yaw, np.pi / 2))
     item = SceneObject(id="cabinet_1", label="cabinet", mask=1, box=box, mounting=Mounting(type=2))
     scene = Objects(
@@ -397,7 +395,7 @@ def test_an_error_of_the_depths_scale_is_no_misfit() -> None:
     shown = Rendering(grey, grey, mask.astype(np.float32), depth)
 
     def misfit(seen_depth: np.ndarray) -> float:
-        seen = Observation(
+        seen = ObservedGrid(
             np.eye(4), np.eye(3), grey, mask, seen_depth, USUAL_ERROR, mask, nothing, 1.0, nothing, mask[0], nothing
         )
         return compare(seen, shown, (0.4, 0.4, 0.4), (0.4, 0.4, 0.4), line_field(grey))[1]

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from roomkin.stages.tables.drawing import GREY, color, marker, style
+from roomkin.stages.tables.figures import GREY, color, marker, style
 from roomkin.stages.tables.order import SKILL, set_key, title
 
 Points = list[tuple[float, float]]

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from roomkin.plugins.report.album import THUMBNAIL, Album, Picture
+from roomkin.plugins.report.album import THUMBNAIL, Album, PagePicture, SnapshotShards
 from roomkin.plugins.report.doubts import collect_doubts, collect_notes
-from roomkin.plugins.report.snapshots import Snapshots
 from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.generated import PlacedObject
@@ -35,16 +34,16 @@ class Match(NamedTuple):
     item: SceneObject
     placed: PlacedObject | None
     measure: str
-    picture: Picture | None
-    cousins: list[tuple[Cousin, str, Picture | None]]
-    pictures: list[tuple[Picture, str]]
-    rivals: list[tuple[Candidate, Picture | None]]
+    picture: PagePicture | None
+    cousins: list[tuple[Cousin, str, PagePicture | None]]
+    pictures: list[tuple[PagePicture, str]]
+    rivals: list[tuple[Candidate, PagePicture | None]]
     doubts: list[Doubt]
     notes: list[str]
 
 
 @dataclass(frozen=True)
-class Evidence:
+class RoomResults:
     """The results about a room: its picture, masks (H, W), clouds by object, the objects of its first scene, and the
     views of models that stand for them in any (`views_of`)."""
 
@@ -56,13 +55,15 @@ class Evidence:
     views: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
-def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Album, snapshots: Snapshots) -> Match:
+def match(
+    entry: ObjectCousins, item: SceneObject, evidence: RoomResults, album: Album, snapshots: SnapshotShards
+) -> Match:
     """An object that has cousins."""
     placed, listed, views = evidence.placed.get(entry.id), entry.cousins[:LISTED], evidence.views.get(entry.id, {})
     measure, numbers = explain_order(entry.decided_by, listed)
     seen = Image.fromarray(crop_object(evidence.rgb, item)) if evidence.rgb is not None else None
 
-    def thumbnail(model: Cousin | Candidate, alt: str, yaw: float | None = None) -> Picture | None:
+    def thumbnail(model: Cousin | Candidate, alt: str, yaw: float | None = None) -> PagePicture | None:
         return album.thumbnail(snapshots.picture(model.asset, yaw), f"{model.asset}, {alt} {entry.id}")
 
     return Match(
@@ -97,7 +98,7 @@ def explain_order(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str
     return "", [""] * len(cousins)
 
 
-def _pictures(item: SceneObject, evidence: Evidence, album: Album) -> Iterator[tuple[Picture, str]]:
+def _pictures(item: SceneObject, evidence: RoomResults, album: Album) -> Iterator[tuple[PagePicture, str]]:
     if evidence.rgb is not None and evidence.masks is not None:
         picture = Image.fromarray(crop_object(fade_background(evidence.rgb, evidence.masks == item.mask), item))
         yield album.thumbnail(picture, f"Mask of {item.id}"), "mask"  # type: ignore[misc]
@@ -123,7 +124,7 @@ def fade_background(rgb: Pixels, mask: NDArray[np.bool_]) -> Pixels:
 
 
 def cloud_picture(
-    cloud: NDArray[np.float32], item: SceneObject, evidence: Evidence, axes: tuple[int, int]
+    cloud: NDArray[np.float32], item: SceneObject, evidence: RoomResults, axes: tuple[int, int]
 ) -> Image.Image:
     """The cloud in the picture's colors and its box, as the camera sees them.
 
@@ -147,7 +148,7 @@ def cloud_picture(
     return picture
 
 
-def _color_points(points: NDArray[np.float32], evidence: Evidence) -> Pixels:
+def _color_points(points: NDArray[np.float32], evidence: RoomResults) -> Pixels:
     """Of the pixels that show the points; grey without a picture."""
     if evidence.rgb is None:
         return np.full((len(points), 3), 110, dtype=np.uint8)

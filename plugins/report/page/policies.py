@@ -8,18 +8,17 @@ from markupsafe import Markup
 
 from roomkin.plugins.films.contract import Film, read_films
 from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
-from roomkin.plugins.report.album import Album, Animation, Picture
+from roomkin.plugins.report.album import Album, Animation, PagePicture, SnapshotShards
 from roomkin.plugins.report.page.charts import Points, line_chart
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.roles import lists_table, role_title, roles_table, used_roles
-from roomkin.plugins.report.snapshots import Snapshots
 from roomkin.stages.contracts.archives import unpack
+from roomkin.stages.contracts.episode_store import read_attempts, read_metrics
 from roomkin.stages.contracts.files import read_json
-from roomkin.stages.contracts.ledgers import read_attempts, read_metrics
 from roomkin.stages.contracts.policies import TaskAssets
+from roomkin.stages.tables.intervals import wilson
 from roomkin.stages.tables.markup import Table
 from roomkin.stages.tables.order import set_key, sort_key, target_title, title
-from roomkin.stages.tables.statistics import wilson
 from roomkin.stages.tables.text import NOTHING, cell, percent, span
 
 Films = dict[str, list[tuple[Film, Animation]]]  # by role: the first film is shown, the others on demand
@@ -35,7 +34,7 @@ class TargetPart(NamedTuple):
     target: str
     title: str
     plan: TaskAssets | None
-    pictures: list[Picture]
+    pictures: list[PagePicture]
     assets: list[Table]
     demonstrations: Table | None
     films: Films
@@ -110,7 +109,7 @@ def _by_policy(files: RunFiles, pattern: str) -> dict[str, Path]:
 
 
 def _target(
-    files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: Snapshots, confidence: float
+    files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: SnapshotShards, confidence: float
 ) -> TargetPart:
     plan = read_json(TaskAssets, chosen) if chosen else None
     ledgers = sorted(
@@ -153,7 +152,7 @@ def _target(
 
 def collect(files: RunFiles, album: Album, confidence: float) -> list[TargetPart]:
     """Every target of the run."""
-    snapshots = Snapshots(files.find_all("assets/snapshots/shard_*.h5"))
+    snapshots = SnapshotShards(files.find_all("assets/snapshots/shard_*.h5"))
     chosen = {path.parent.name: path for path in files.find_all("experiment/*/*/assets.json")}
     named = [
         *chosen,

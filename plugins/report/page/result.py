@@ -9,7 +9,7 @@ from markupsafe import Markup
 from roomkin.plugins.claims.claims import FAILS, HOLDS
 from roomkin.plugins.claims.tables import count_lacking_runs, evidence, title_of
 from roomkin.plugins.report.page.charts import success_chart
-from roomkin.stages.contracts.words import count
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.tables.methods import Kinds
 from roomkin.stages.tables.order import SKILL, set_key, target_title, title
 from roomkin.stages.tables.rows import records

@@ -9,18 +9,16 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from roomkin.plugins.report.album import Album, Picture
+from roomkin.plugins.report.album import Album, PagePicture, SnapshotShards, views_of
 from roomkin.plugins.report.page.files import RunFiles
-from roomkin.plugins.report.page.findings import Findings
-from roomkin.plugins.report.page.objects import Evidence, Match, match
-from roomkin.plugins.report.snapshots import Snapshots, views_of
+from roomkin.plugins.report.page.objects import Match, RoomResults, match
+from roomkin.plugins.report.page.overview import Findings
 from roomkin.stages.contracts.cousins import Cousins
-from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.doubt import Doubt, Provenance
 from roomkin.stages.contracts.extracted import read_clouds, read_object_masks
 from roomkin.stages.contracts.generated import GeneratedScene
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.contracts.objects import Objects
-from roomkin.stages.contracts.provenance import Provenance
 from roomkin.stages.plugins import shorten_name
 from roomkin.stages.tables.order import sort_key, title
 from roomkin.stages.tables.table2 import judge
@@ -31,7 +29,7 @@ class RebuiltScene(NamedTuple):
     that no earlier rank has there, and the scene to turn, binary glTF, gzip in base64; empty: none."""
 
     scene: GeneratedScene
-    picture: Picture | None
+    picture: PagePicture | None
     doubts: list[tuple[str, Doubt]]
     new: int
     view: str = ""
@@ -86,8 +84,8 @@ class RoomPart:
 
     name: str
     title: str
-    input: Picture | None
-    overview: Picture | None
+    input: PagePicture | None
+    overview: PagePicture | None
     found: Findings
     failures: dict[str, tuple[str, str]]
     reconstructions: list[Reconstruction]
@@ -95,7 +93,7 @@ class RoomPart:
 
 
 def _match_objects(
-    files: RunFiles, room: str, found: Findings, image: Path | None, album: Album, snapshots: Snapshots
+    files: RunFiles, room: str, found: Findings, image: Path | None, album: Album, snapshots: SnapshotShards
 ) -> list[Match]:
     """The objects that have cousins, with what else the run has of the room."""
     path, objects = files.find_first(f"extraction/{room}/objects.json"), found.objects
@@ -103,7 +101,7 @@ def _match_objects(
         return []
     masks, clouds = (files.find_first(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz"))
     rgb = read_rgb(image) if image else None
-    evidence = Evidence(
+    evidence = RoomResults(
         objects,
         rgb if rgb is not None and rgb.shape[:2] == (objects.height, objects.width) else None,
         read_object_masks(path, objects) if masks else None,
@@ -125,7 +123,7 @@ def _pack(view: Path | None) -> str:
 
 
 def _rebuild(
-    files: RunFiles, name: str, variant: str, found: Findings, album: Album, snapshots: Snapshots
+    files: RunFiles, name: str, variant: str, found: Findings, album: Album, snapshots: SnapshotShards
 ) -> Reconstruction:
     folder, image = f"generation/{variant}/{name}", files.images.get(name)
     alt = f"Reconstruction of {title(name)} from cousins of rank"
@@ -161,7 +159,7 @@ def _list_origins(name: str, found: dict[str, Findings]) -> dict[str, Provenance
     return {path: document.made for path, document in documents.items() if document and document.made}
 
 
-def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> RoomPart:
+def _room(files: RunFiles, name: str, album: Album, snapshots: SnapshotShards) -> RoomPart:
     label = title(name)
     patterns = (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
     variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=sort_key)
@@ -191,7 +189,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
 
 def collect(files: RunFiles, album: Album) -> list[RoomPart]:
     """Every room of the run, in order."""
-    snapshots = Snapshots(files.find_all("assets/snapshots/shard_*.h5"))
+    snapshots = SnapshotShards(files.find_all("assets/snapshots/shard_*.h5"))
     patterns = ("extraction/*/objects.json", "generation/*/*/scene_*.json")
     names = {*files.images, *(name for pattern in patterns for name in files.names(pattern, 0))}
     return [_room(files, name, album, snapshots) for name in sorted(names, key=sort_key)]

@@ -5,8 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from roomkin.stages.contracts.corrections import CORRECTIONS, read_corrections
-from roomkin.stages.contracts.hand import digest_of_picture, find_hand_file
+from roomkin.stages.contracts.hand import CORRECTIONS, digest_of_picture, find_hand_file, read_corrections
 from roomkin.stages.contracts.images import read_masks
 from roomkin.stages.contracts.matched import Matched, match_corrections
 from roomkin.stages.contracts.things import Thing, Things

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from roomkin.plugins.report.album import Album, Picture
+from roomkin.plugins.report.album import Album, PagePicture
 from roomkin.plugins.report.doubts import measure_side
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.page.rooms import RebuiltScene, Reconstruction, RoomPart
@@ -40,7 +40,7 @@ def measure_camera(objects: Objects) -> CameraFacts:
     return CameraFacts(focal, float(across), float(pose[2, 3]), float(down), float(roll))
 
 
-def draw_depth(path: Path, objects: Objects, album: Album) -> tuple[Picture, float, float] | None:
+def draw_depth(path: Path, objects: Objects, album: Album) -> tuple[PagePicture, float, float] | None:
     """Depth as a picture, with the nearest and the farthest distance; None where none is known.
 
     Args:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from roomkin.plugins.report.doubts import collect_doubts
-from roomkin.plugins.report.page.findings import Findings
+from roomkin.plugins.report.page.overview import Findings
 from roomkin.stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject

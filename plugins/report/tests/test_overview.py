@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from roomkin.plugins.report import overview
-from roomkin.plugins.report.page.overview import Layout, count_failures, row
+from roomkin.plugins.report.page.overview import RunFolders, count_failures, row
 from roomkin.plugins.report.tests.test_report_browser import WIDE, browser  # noqa: F401
 from roomkin.plugins.report.tests.test_tables_report import Checker
 from roomkin.stages.contracts.files import read_json
@@ -28,17 +28,17 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def layout(results: Path, tmp_path: Path) -> Layout:
-    return Layout(results, tmp_path / "logs", "b")
+def layout(results: Path, tmp_path: Path) -> RunFolders:
+    return RunFolders(results, tmp_path / "logs", "b")
 
 
-def log(layout: Layout, name: str, text: str) -> None:
+def log(layout: RunFolders, name: str, text: str) -> None:
     path = layout.logs / f"{name}.log"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
 
 
-def test_a_scene_tells_what_failed_and_what_is_doubtful(layout: Layout) -> None:
+def test_a_scene_tells_what_failed_and_what_is_doubtful(layout: RunFolders) -> None:
     found = row("room_1", layout)
     assert found.stopped is None and found.picture.startswith("data:image/webp;base64,")
     scene = read_json(GeneratedScene, layout.results / "generation/b/room_1/scene_1.json")
@@ -48,7 +48,7 @@ def test_a_scene_tells_what_failed_and_what_is_doubtful(layout: Layout) -> None:
     assert all(failure.reason for failure in found.failures) and found.doubts
 
 
-def test_a_camera_higher_than_anybody_holds_it_is_doubted_first(layout: Layout) -> None:
+def test_a_camera_higher_than_anybody_holds_it_is_doubted_first(layout: RunFolders) -> None:
     path = layout.results / "extraction/room_1/objects.json"
     said = json.loads(path.read_text())
     said["floor_from_camera"][2][3] = 5.74
@@ -59,7 +59,7 @@ def test_a_camera_higher_than_anybody_holds_it_is_doubted_first(layout: Layout) 
     assert found.doubted >= 1
 
 
-def test_a_scene_that_stopped_is_told_by_the_last_line_of_its_log(layout: Layout) -> None:
+def test_a_scene_that_stopped_is_told_by_the_last_line_of_its_log(layout: RunFolders) -> None:
     log(layout, "scenes/frame_lost", "reading\nerror: a.png: no such file. Fix: correct the path\n\n")
     log(layout, "extraction/dead", "")
     told = {name: row(name, layout).stopped for name in ("lost", "dead", "waits")}
@@ -71,26 +71,26 @@ def test_a_scene_that_stopped_is_told_by_the_last_line_of_its_log(layout: Layout
     assert {each and each.stage for each in told.values()} == {"extraction"}
 
 
-def test_what_later_stages_left_of_an_earlier_run_does_not_count(layout: Layout, tmp_path: Path) -> None:
+def test_what_later_stages_left_of_an_earlier_run_does_not_count(layout: RunFolders, tmp_path: Path) -> None:
     for path in layout.results.rglob("*"):
         if path.is_file() and "room_1" in path.parts and path.name != "cousins.json":
             copied = tmp_path / "results" / path.relative_to(layout.results)
             copied.parent.mkdir(parents=True, exist_ok=True)
             copied.write_bytes(path.read_bytes())
-    left = Layout(tmp_path / "results", layout.logs, "b")
+    left = RunFolders(tmp_path / "results", layout.logs, "b")
     log(layout, "matching/b_room_1", "error: features: too few\n")
     found = row("room_1", left)
     assert found.stopped and (found.stopped.stage, found.stopped.reason) == ("matching", "features: too few")
     assert (found.found.scenes, found.placed, found.picture) == ([], 0, "") and found.found.seen
 
 
-def test_reasons_that_differ_by_numbers_are_one(layout: Layout) -> None:
+def test_reasons_that_differ_by_numbers_are_one(layout: RunFolders) -> None:
     for name, pixels in (("a", 12), ("b", 4.5)):
         log(layout, f"extraction/{name}", f"error: only {pixels} pixels\n")
     assert count_failures(row(name, layout) for name in ("a", "b", "c")) == [("extraction: only … pixels", 2)]
 
 
-def test_the_page_needs_nothing_else(results: Path, layout: Layout, tmp_path: Path) -> None:
+def test_the_page_needs_nothing_else(results: Path, layout: RunFolders, tmp_path: Path) -> None:
     log(layout, "extraction/lost", "error: rgb.png: <b>broken</b>\n")
     page, failed = tmp_path / "b.html", tmp_path / "b.failed.html"
     failed.touch()
@@ -109,7 +109,7 @@ def test_the_page_needs_nothing_else(results: Path, layout: Layout, tmp_path: Pa
     assert "rgb.png: &lt;b&gt;broken&lt;/b&gt;" in text and "2 were made" in text and "1 stopped" in text
 
 
-def test_a_thousand_rows_are_shown_and_sorted(results: Path, layout: Layout, tmp_path: Path, browser: Any) -> None:  # noqa: F811
+def test_a_thousand_rows_are_shown_and_sorted(results: Path, layout: RunFolders, tmp_path: Path, browser: Any) -> None:  # noqa: F811
     names = [f"kitchen_{number}" for number in range(1000)]
     for name in names:
         for stage in ("extraction", "matching/b", "generation/b"):
@@ -140,9 +140,9 @@ def test_a_thousand_rows_are_shown_and_sorted(results: Path, layout: Layout, tmp
         shown.close()
 
 
-def test_broken_results_are_no_row(layout: Layout, tmp_path: Path) -> None:
+def test_broken_results_are_no_row(layout: RunFolders, tmp_path: Path) -> None:
     made = tmp_path / "results/extraction/room"
     made.mkdir(parents=True)
     (made / "objects.json").write_text("{}")
     with refused("E-CONTRACT-VERSION"):
-        row("room", Layout(tmp_path / "results", layout.logs, "b"))
+        row("room", RunFolders(tmp_path / "results", layout.logs, "b"))

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from roomkin.plugins.report.album import THUMBNAIL, Album
+from roomkin.plugins.report.album import THUMBNAIL, Album, SnapshotShards, views_of
 from roomkin.plugins.report.doubts import group_doubts, measure_side
-from roomkin.plugins.report.page.objects import Evidence, Match, cloud_picture, match
+from roomkin.plugins.report.page.objects import Match, RoomResults, cloud_picture, match
 from roomkin.plugins.report.report import WORDS
-from roomkin.plugins.report.snapshots import Snapshots, views_of
 from roomkin.stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from roomkin.stages.contracts.doubt import MEND, Doubt, DoubtKind
 from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject
@@ -32,13 +31,13 @@ def thing(**changes: Any) -> SceneObject:
     return SceneObject(**(fields | changes))
 
 
-def evidence(item: SceneObject, **changes: Any) -> Evidence:
+def evidence(item: SceneObject, **changes: Any) -> RoomResults:
     objects = Objects(
         scene="t", width=WIDTH, height=HEIGHT, intrinsics=intrinsics_from_fov(WIDTH, HEIGHT, 0.9).tolist(),
         floor_from_camera=look_at([0, 0, 1.4], [3, 0, 0.4]).tolist(), walls=[], objects=[item],
     )  # fmt: skip
     fields: dict[str, Any] = {"objects": objects, "rgb": None, "masks": None, "clouds": {}, "placed": {}}
-    return Evidence(**(fields | changes))
+    return RoomResults(**(fields | changes))
 
 
 def matched(distances: tuple[float, ...] = (1.0, 2.0, 3.0), category: str = "desk", **changes: Any) -> ObjectCousins:
@@ -59,7 +58,7 @@ def matched(distances: tuple[float, ...] = (1.0, 2.0, 3.0), category: str = "des
 
 
 def told(entry: ObjectCousins, item: SceneObject, **changes: Any) -> Match:
-    return match(entry, item, evidence(item, **changes), Album(400, 80), Snapshots([]))
+    return match(entry, item, evidence(item, **changes), Album(400, 80), SnapshotShards([]))
 
 
 def facts(made: Match) -> dict[str, str]:

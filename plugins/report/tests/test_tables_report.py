@@ -15,14 +15,13 @@ import yaml
 from PIL import Image
 
 from roomkin.plugins.report import report
-from roomkin.plugins.report.album import Album
+from roomkin.plugins.report.album import Album, SnapshotShards
 from roomkin.plugins.report.page import charts
 from roomkin.plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
 from roomkin.plugins.report.page.charts import line_chart
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.page.policies import losses
 from roomkin.plugins.report.page.result import sentences
-from roomkin.plugins.report.snapshots import Snapshots
 from roomkin.stages.config.model import Config
 from roomkin.stages.contracts.images import read_narrow
 from roomkin.stages.tables import policies, scenes
@@ -294,7 +293,7 @@ def test_losses_and_charts() -> None:
 
 
 def test_snapshots_are_cut_out_at_the_nearest_yaw(made: Path) -> None:
-    library = Snapshots(RunFiles(declared(made)["files"]).find_all("assets/snapshots/shard_*.h5"))  # type: ignore[arg-type]
+    library = SnapshotShards(RunFiles(declared(made)["files"]).find_all("assets/snapshots/shard_*.h5"))  # type: ignore[arg-type]
     cut = library.picture("bowl_03", yaw=6.2)
     assert cut is not None and cut.mode == "RGBA" and cut.width == cut.height == 16  # 14 pixels and a margin
     assert library.picture("no_such_asset") is None

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 import yaml
 
-from roomkin.plugins.scenes.casting import CastRoom, cast
-from roomkin.plugins.scenes.chance import EYE, are_all_seen, draw_room, redraw_recipe
+from roomkin.plugins.scenes.chance import EYE, are_all_seen, draw_room, frame, redraw_recipe
 from roomkin.plugins.scenes.config import ScenesConfig
-from roomkin.plugins.scenes.framing import frame
-from roomkin.plugins.scenes.layout import arrange, scale_of
+from roomkin.plugins.scenes.layout import CastRoom, arrange, cast, scale_of
 from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Item, On, Room
 from roomkin.plugins.scenes.room_files import read_room, room_files, series
 from roomkin.stages.contracts import InputError

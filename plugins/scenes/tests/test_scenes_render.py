@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from roomkin.plugins.furniture.library import run as make_library
-from roomkin.plugins.scenes.casting import cast
+from roomkin.plugins.scenes.layout import cast
 from roomkin.plugins.scenes.photograph import furnish
 from roomkin.plugins.scenes.render import run
 from roomkin.plugins.scenes.room_files import read_room, series

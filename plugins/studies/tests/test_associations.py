@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from roomkin.plugins.studies.associations import Shown, _correlation, associations_table, build, traits
+from roomkin.plugins.studies.associations import ShownAssets, _correlation, associations_table, build, traits
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts.policies import TaskAsset
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets
@@ -28,15 +28,17 @@ def asset(name: str, panel: tuple[float, float], length: float, height: float) -
 def test_coverage_is_the_share_of_figures_within_what_was_shown() -> None:
     twin, cousin = asset("a", (0.4, 0.4), 0.1, 0.5), asset("b", (0.8, 0.4), 0.2, 0.5)
     small = asset("c", (0.31, 0.31), 0.08, 0.5)  # within 0.75 of the twin's
-    assert Shown([twin], (0.75, 1.25)).coverage(small) == 1
-    assert Shown([twin], (1.0, 1.0)).coverage(small) == 0.25  # only the height of its handle
+    assert ShownAssets([twin], (0.75, 1.25)).coverage(small) == 1
+    assert ShownAssets([twin], (1.0, 1.0)).coverage(small) == 0.25  # only the height of its handle
     for height in (0.4, 0.6):  # which no demonstration stretches
-        assert Shown([twin], (0.75, 1.25)).coverage(asset("e", (0.4, 0.4), 0.1, height)) == 0.75
-    assert Shown([twin, cousin], (1.0, 1.0)).coverage(asset("d", (0.6, 0.4), 0.15, 0.6)) == 0.75
-    found = traits([small], {("twin", 0): Shown([twin], (0.75, 1.25)), ("cousins_2", 0): Shown([cousin], (0.75, 1.25))})
+        assert ShownAssets([twin], (0.75, 1.25)).coverage(asset("e", (0.4, 0.4), 0.1, height)) == 0.75
+    assert ShownAssets([twin, cousin], (1.0, 1.0)).coverage(asset("d", (0.6, 0.4), 0.15, 0.6)) == 0.75
+    found = traits(
+        [small], {("twin", 0): ShownAssets([twin], (0.75, 1.25)), ("cousins_2", 0): ShownAssets([cousin], (0.75, 1.25))}
+    )
     assert found.set_index("training_set")["coverage"].to_dict() == {"twin": 1, "cousins_2": 0.5}
     assert set(found["handle_height"]) == {0.5}
-    by_seed = {("random_1", seed): Shown([shown], (0.75, 1.25)) for seed, shown in enumerate((twin, cousin))}
+    by_seed = {("random_1", seed): ShownAssets([shown], (0.75, 1.25)) for seed, shown in enumerate((twin, cousin))}
     drawn = traits([small], by_seed)
     assert drawn.set_index("seed")["coverage"].to_dict() == {0: 1, 1: 0.5}, "each seed was shown what it drew"
 

@@ -9,7 +9,7 @@ from roomkin.plugins.studies import conditions
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts.files import read_rows
 from roomkin.stages.contracts.policies import Rollout
-from roomkin.stages.evaluation.rows import write_rows
+from roomkin.stages.evaluation.states import write_rows
 from roomkin.stages.tables.intervals import difference_interval, side_of
 from tests.refusals import refused
 from tests.unit.tables_results import rollout

@@ -13,9 +13,8 @@ from roomkin.plugins.vlm.config import VlmConfig
 from roomkin.plugins.vlm.prompt import Prompt, draw_box
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import NO_MODEL, Candidate, Orientation
-from roomkin.stages.geometry.crop import darken_rest
 from roomkin.stages.geometry.frames import wrap_angle
-from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.geometry.masks import darken_rest, pixel_bounds
 from roomkin.stages.matching.question import AbstainedError, Question
 from roomkin.stages.matching.question import Judge as JudgeOf
 from roomkin.stages.plugins import load

@@ -6,7 +6,7 @@ from urllib.parse import quote
 
 import pytest
 
-from roomkin.plugins.vlm.hiding import holds_key
+from roomkin.plugins.vlm.endpoint import holds_key
 
 KEY = "sk-OPSsecret-4f9b2c7d1e"
 

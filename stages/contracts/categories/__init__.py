@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts.category import Category, UsualSize, find_category
-from roomkin.stages.contracts.words import list_plain_words, plain_letters
+from roomkin.stages.contracts.errors import list_plain_words, plain_letters
 
 FILE = Path(__file__).with_name("categories.json")
 WORDS = Path(__file__).with_name("words.txt")  # of other languages

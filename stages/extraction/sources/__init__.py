@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roomkin.stages.config.extraction import ExtractionConfig
-from roomkin.stages.extraction.observation import AnnotatedImage
+from roomkin.stages.config.inputs import ExtractionConfig
+from roomkin.stages.extraction.noise import AnnotatedImage
 
 # The input folder, the options, and random numbers for noise.
 Source = Callable[[Path, ExtractionConfig, np.random.Generator], AnnotatedImage]

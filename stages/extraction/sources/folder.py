@@ -5,10 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts.objects import DepthError
-from roomkin.stages.extraction.noise import noisy_depth
-from roomkin.stages.extraction.observation import EXACT, AnnotatedImage, read_folder
+from roomkin.stages.extraction.noise import EXACT, AnnotatedImage, noisy_depth, read_folder
 
 
 def observe(folder: Path, options: ExtractionConfig, rng: np.random.Generator) -> AnnotatedImage:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.config.matching import EncoderOptions
-from roomkin.stages.geometry.crop import View
-from roomkin.stages.matching.colors import color_weights, patch_colors
+from roomkin.stages.geometry.masks import ObjectView
+from roomkin.stages.matching.descriptors import color_weights, patch_colors
 from roomkin.stages.plugins import load
 
 STORED_COLUMNS = ["features", "position", "colour"]  # of a stored row
@@ -34,7 +34,7 @@ class PatchEncoder(Protocol):
         """Factor (D + 2,) on features and position; `depth`: both sides have depth. Columns with 0 are left out."""
         ...
 
-    def encode(self, views: list[View]) -> list[Patches]:
+    def encode(self, views: list[ObjectView]) -> list[Patches]:
         """Foreground patches of each view, in order; a view with an empty mask has none."""
         ...
 
@@ -45,7 +45,7 @@ def make_encoder(options: EncoderOptions) -> PatchEncoder:
     return encoder
 
 
-def encode_rows(encoder: PatchEncoder, views: list[View]) -> list[NDArray[np.float16]]:
+def encode_rows(encoder: PatchEncoder, views: list[ObjectView]) -> list[NDArray[np.float16]]:
     """What is stored of every view: rows (P, D + 5) of features, position, and color, whatever their weights."""
     return [
         np.concatenate([found.features, found.positions, patch_colors(view, found.positions)], axis=1, dtype=np.float16)

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.config.matching import EncoderOptions
-from roomkin.stages.geometry.crop import View, cut, foreground, masked_square, patch_positions
+from roomkin.stages.geometry.masks import ObjectView, cut, foreground, masked_square, patch_positions
+from roomkin.stages.matching.descriptors import NORMAL_COLUMNS, neighbourhood, patch_normals
 from roomkin.stages.matching.encoders import Patches
-from roomkin.stages.matching.normals import NORMAL_COLUMNS, neighbourhood, patch_normals
 
 GRADIENT_BINS = 9  # over half a turn (Dalal and Triggs 2005)
 CELL_STEPS = (1, 2, 4)  # distance in patches between the 3 x 3 cells of a descriptor
@@ -45,11 +45,11 @@ class Encoder:
         parts = [(1.0, GRADIENT_COLUMNS), (normals, NORMAL_COLUMNS), (position, 2)]
         return np.concatenate([np.full(count, weight, np.float32) for weight, count in parts])
 
-    def encode(self, views: list[View]) -> list[Patches]:
+    def encode(self, views: list[ObjectView]) -> list[Patches]:
         """Foreground patches of each view."""
         return [self._encode(view) for view in views]
 
-    def _encode(self, view: View) -> Patches:
+    def _encode(self, view: ObjectView) -> Patches:
         size, grid = self.options.image_size, self.options.grid
         if not view.mask.any():
             return Patches(np.empty((0, GRADIENT_COLUMNS + NORMAL_COLUMNS), np.float32), np.empty((0, 2), np.float32))

@@ -5,7 +5,7 @@ from pathlib import Path
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.crop import View
+from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.question import AbstainedError, Judge, Question
 from roomkin.stages.matching.snapshots import Snapshots
 from roomkin.stages.plugins import load
@@ -26,7 +26,7 @@ class Judges:
         self.model_name = getattr(self.of_models, "name", options.model_selection)
         self.orientation_name = getattr(self.of_orientations, "name", options.orientation_selection)
 
-    def question(self, view: View, item: SceneObject, scene: Objects) -> Question:
+    def question(self, view: ObjectView, item: SceneObject, scene: Objects) -> Question:
         """What is asked about one object."""
         name = f"{scene.scene}/{item.id}"
         return Question(view, item.label, self.library, self.snapshots, name, item=item, scene=scene)

@@ -28,7 +28,7 @@ class RearCornerError(MetrologyError):
 
 
 @dataclass(frozen=True)
-class View:
+class PinholeView:
     """A pinhole camera over the floor: focal length in pixels, room_from_camera rotation, height in metres."""
 
     width: int
@@ -85,7 +85,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class WallPlane:
+class UprightPlane:
     """An upright plane: normal . p = offset, the normal (3,) horizontal and towards the camera, so offset < 0."""
 
     normal: Points
@@ -121,7 +121,7 @@ def snap_direction(direction: Points, free: bool) -> Points:
     return unit
 
 
-def wall_plane(view: View, a: ArrayLike, b: ArrayLike, free: bool) -> WallPlane:
+def wall_plane(view: PinholeView, a: ArrayLike, b: ArrayLike, free: bool) -> UprightPlane:
     """The wall over a line on the floor, given by two pixels."""
     start, end = view.meet_level(a), view.meet_level(b)
     along = snap_direction(end - start, free)
@@ -131,10 +131,10 @@ def wall_plane(view: View, a: ArrayLike, b: ArrayLike, free: bool) -> WallPlane:
         normal, offset = -normal, -offset
     if offset > -1e-6:
         raise MetrologyError("the wall would go through the camera")
-    return WallPlane(normal, offset)
+    return UprightPlane(normal, offset)
 
 
-def depth_by_pixel(view: View, corners: Points, inward: Points, pixel: ArrayLike) -> float:
+def depth_by_pixel(view: PinholeView, corners: Points, inward: Points, pixel: ArrayLike) -> float:
     """How far the front's corners (N, 3) go back along `inward` (3,) if a pixel shows one of the rear corners.
 
     Every corner says how deep it would be; the one whose edge passes nearest to the pixel is right. Edges above each
@@ -167,7 +167,7 @@ def _box(front: Points, inward: Points, size: tuple[float, float, float], bottom
 
 
 def fit_standing_box(
-    view: View,
+    view: PinholeView,
     ground: float,
     pixels: list[tuple[float, float]],
     sizes: tuple[float | None, float | None, float | None],
@@ -206,7 +206,7 @@ def fit_standing_box(
 
 
 def round_box(
-    view: View,
+    view: PinholeView,
     ground: float,
     pixels: list[tuple[float, float]],
     sizes: tuple[float | None, float | None, float | None],
@@ -232,12 +232,12 @@ def round_box(
     return UprightBox([*middle[:2], ground + height / 2], [width, sizes[1] or width, height], 0.0)
 
 
-def _face(view: View, wall: WallPlane, depth: float, pixels: list[tuple[float, float]]) -> Points:
+def _face(view: PinholeView, wall: UprightPlane, depth: float, pixels: list[tuple[float, float]]) -> Points:
     """Two opposite corners (2, 3) of a face parallel to a wall, `depth` before it."""
     return np.array([view.meet_plane(pixel, wall.normal, wall.offset + depth) for pixel in pixels[:2]])
 
 
-def _depth_of_rear(view: View, wall: WallPlane, pixels: list[tuple[float, float]]) -> float:
+def _depth_of_rear(view: PinholeView, wall: UprightPlane, pixels: list[tuple[float, float]]) -> float:
     """How far a face stands out from a wall if the third of the pixels shows a rear corner, on the wall.
 
     A corner of the face moves along its ray with the depth, linearly; that depth is right at which one of the four
@@ -258,8 +258,8 @@ def _depth_of_rear(view: View, wall: WallPlane, pixels: list[tuple[float, float]
 
 
 def fit_hanging_box(
-    view: View,
-    wall: WallPlane,
+    view: PinholeView,
+    wall: UprightPlane,
     pixels: list[tuple[float, float]],
     sizes: tuple[float | None, float | None, float | None],
     flat: float = 0.03,
@@ -280,6 +280,6 @@ def fit_hanging_box(
     return hang_box(wall, (left + right) / 2, (low + high) / 2, (width, depth, height))
 
 
-def hang_box(wall: WallPlane, along: float, above: float, size: tuple[float, float, float]) -> UprightBox:
+def hang_box(wall: UprightPlane, along: float, above: float, size: tuple[float, float, float]) -> UprightBox:
     """The box with its rear on a wall, its middle so far along that and above the floor; width, depth and height."""
     return _box(along * wall.along + (wall.offset + size[1]) * wall.normal, -wall.normal, size, above - size[2] / 2)

@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from roomkin.stages.contracts.files import Contract
 from roomkin.stages.contracts.types import Pixel
 from roomkin.stages.geometry.frames import rotation_of, wrap_angle
-from roomkin.stages.perception.camera.metrology import View
+from roomkin.stages.perception.camera.metrology import PinholeView
 
 Points = NDArray[np.float64]
 Focal = Annotated[float, Field(gt=10, lt=1e5, allow_inf_nan=False)]
@@ -45,7 +45,7 @@ class Perspective(Contract):
     spread: float = Field(0.3, gt=0, le=2, description="standard deviation of the logarithm of `likely_focal`")
 
 
-def measure_misses(view: View, axes: NDArray[np.integer], ends: Points) -> Points:
+def measure_misses(view: PinholeView, axes: NDArray[np.integer], ends: Points) -> Points:
     """Pixels (N,) by which each line's end misses the line from its middle to the vanishing point of its axis.
 
     Args:
@@ -62,7 +62,7 @@ def measure_misses(view: View, axes: NDArray[np.integer], ends: Points) -> Point
     return np.asarray((np.einsum("ni,ni->n", line[:, :2], a) + line[:, 2]) / length)
 
 
-def find_weak_lines(view: View, guides: list[Guide]) -> list[bool]:
+def find_weak_lines(view: PinholeView, guides: list[Guide]) -> list[bool]:
     """Lines that disagree with the fitted camera: they carry little weight, or are wrong."""
     ends = np.array([(line.a, line.b) for line in guides], dtype=float).reshape(-1, 2, 2)
     off = np.abs(measure_misses(view, np.array([AXES.index(line.axis) for line in guides], dtype=int), ends))
@@ -70,7 +70,7 @@ def find_weak_lines(view: View, guides: list[Guide]) -> list[bool]:
     return [bool(one) for one in off > WEAK * half]
 
 
-def _measure_miss(view: View, axis: int, pixel: ArrayLike) -> Points:
+def _measure_miss(view: PinholeView, axis: int, pixel: ArrayLike) -> Points:
     """By how many pixels a vanishing point misses the place where it was put; it may be at infinity."""
     center = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
     wanted = np.array([*(np.asarray(pixel, dtype=float) - center) / view.focal, 1.0])
@@ -78,7 +78,7 @@ def _measure_miss(view: View, axis: int, pixel: ArrayLike) -> Points:
     return np.asarray(np.cross(wanted, view.rotation[axis]) * view.focal)
 
 
-def horizon(view: View) -> tuple[Pixel, Pixel]:
+def horizon(view: PinholeView) -> tuple[Pixel, Pixel]:
     """The horizon's pixels at the left and right border of the picture."""
     up = view.rotation[2]  # in the camera frame: its plane is the horizon
     center = [(view.width - 1) / 2, (view.height - 1) / 2]
@@ -90,7 +90,7 @@ def horizon(view: View) -> tuple[Pixel, Pixel]:
     return ends[0], ends[1]
 
 
-def vanishing_point(view: View, axis: int) -> Pixel | None:
+def vanishing_point(view: PinholeView, axis: int) -> Pixel | None:
     """The pixel where lines along an axis meet; None if that is far outside."""
     x, y, z = view.rotation[axis]
     if abs(z) < 0.02:
@@ -99,15 +99,15 @@ def vanishing_point(view: View, axis: int) -> Pixel | None:
 
 
 @lru_cache(maxsize=64)
-def _fit(width: int, height: int, text: str, start: tuple[float, float, float] | None) -> View:
+def _fit(width: int, height: int, text: str, start: tuple[float, float, float] | None) -> PinholeView:
     given = Perspective.model_validate_json(text)
     axes = np.array([AXES.index(line.axis) for line in given.guides], dtype=int)
     ends = np.array([(line.a, line.b) for line in given.guides], dtype=float).reshape(-1, 2, 2)
     focal, spread = (given.focal, PIN / given.focal) if given.focal else (given.likely_focal, given.spread)
     pins = [(AXES.index(name), pixel) for name in "xyz" if (pixel := getattr(given, name)) is not None]
 
-    def view_of(state: Points) -> View:
-        return View(width, height, float(np.exp(np.clip(state[3], 2, 12))), rotation_of(*state[:3]))
+    def view_of(state: Points) -> PinholeView:
+        return PinholeView(width, height, float(np.exp(np.clip(state[3], 2, 12))), rotation_of(*state[:3]))
 
     def residuals(state: Points) -> Points:
         view = view_of(state)
@@ -131,7 +131,9 @@ def weigh_residuals(values: Points) -> Points:
     return np.asarray(np.sign(values) * np.sqrt(np.log1p(values**2)))
 
 
-def fit_view(given: Perspective, width: int, height: int, start: tuple[float, float, float] | None = None) -> View:
+def fit_view(
+    given: Perspective, width: int, height: int, start: tuple[float, float, float] | None = None
+) -> PinholeView:
     """The camera, one metre above the floor, that explains the lines best; usual values where they leave it open.
 
     Args:
@@ -223,7 +225,7 @@ def angles_of(rotation: Points) -> tuple[float, float, float]:
     return wrap_angle(yaw, np.pi), float(np.arcsin(np.clip(up[2], -1, 1))), float(np.arctan2(-up[0], -up[1]))
 
 
-def _assign_axes(view: View, ends: Points) -> tuple[NDArray[np.integer], Points]:
+def _assign_axes(view: PinholeView, ends: Points) -> tuple[NDArray[np.integer], Points]:
     """Axis (N,) of each segment and how well it agrees with it."""
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     every = [measure_misses(view, np.full(len(ends), axis), ends) for axis in range(3)]
@@ -264,7 +266,7 @@ def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Persp
             best, best_score = (rotations[int(np.argmax(scores))], focal), float(scores.max())
     if best is None:
         return prior
-    view = View(width, height, best[1], best[0])
+    view = PinholeView(width, height, best[1], best[0])
     for _ in range(3):  # better lines give a better camera, which gives better lines
         axes, good = _assign_axes(view, ends)
         every = _guides(ends[good > 0], axes[good > 0])

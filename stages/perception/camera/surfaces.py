@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 
 from roomkin.stages.geometry.cameras import back_project
 from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.geometry.gravity import CELLS, LEVEL, cell_normals
 from roomkin.stages.geometry.levels import find_ground
 from roomkin.stages.geometry.room_planes import (
+    CELLS,
     GRAZING,
+    LEVEL,
     PLANE_THRESHOLD,
     WALL_TILT,
     WallPlane,
+    cell_normals,
     fit_wall,
     make_floor_frame,
 )

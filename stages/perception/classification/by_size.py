@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts.categories import known_categories
-from roomkin.stages.perception.camera.metrology import WallPlane
+from roomkin.stages.perception.camera.metrology import UprightPlane
 from roomkin.stages.perception.classification.names import ODD, Names, carries
 from roomkin.stages.perception.classification.naming import FLAT_CATEGORIES
 from roomkin.stages.perception.classification.propose import read_coco
@@ -24,9 +24,9 @@ from roomkin.stages.perception.layout.ends import (
     list_alone,
     usual_of,
 )
-from roomkin.stages.perception.layout.fit import Item, choose_modes
-from roomkin.stages.perception.layout.room import Arrangement, Room
-from roomkin.stages.perception.layout.things import Candidate
+from roomkin.stages.perception.layout.fit import FitItem, choose_modes
+from roomkin.stages.perception.layout.room import Arrangement, FittedRoom
+from roomkin.stages.perception.layout.things import OutlineCandidate
 from roomkin.stages.perception.layout.walls import NORMALS, measure_rectangle
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ FAR = 0.6  # of the logarithm of the distance to a wall, before what hangs there
 
 
 def name_standing(
-    seen: Sequence[Candidate],
+    seen: Sequence[OutlineCandidate],
     masks: NDArray[np.integer],
     feet: Mapping[int, Ends],
     arranged: Arrangement,
@@ -84,10 +84,10 @@ def name_standing(
 
 
 def name_others(
-    seen: Sequence[Candidate],
+    seen: Sequence[OutlineCandidate],
     masks: NDArray[np.integer],
     feet: Mapping[int, Ends],
-    room: Room,
+    room: FittedRoom,
     placed: Mapping[int, Kind],
 ) -> dict[int, Names]:
     """Names of what hangs on a wall and of what rests on a thing that has a place. Arguments as of `name_standing`.
@@ -124,15 +124,15 @@ def find_foot(ends: Ends) -> Array:
     return np.array([(left + right) / 2, bottom])
 
 
-def measure_hung(room: Room, one: Candidate) -> Array | None:
+def measure_hung(room: FittedRoom, one: OutlineCandidate) -> Array | None:
     """Width and height (2,) of an outline on the wall that it lies on best, metres; None: it faces none."""
     farthest = max((float(box.center[1]) for box in room.boxes.values()), default=USUAL_FAR)
-    walls = room.walls or [WallPlane(NORMALS[0], -farthest)]
+    walls = room.walls or [UprightPlane(NORMALS[0], -farthest)]
     share, sides = max((measure_rectangle(room.view, wall, one.mask) for wall in walls), key=lambda each: each[0])
     return np.ptp(sides, axis=0) if share > 0 else None
 
 
-def measure_resting(room: Room, ends: Ends, beneath: int) -> Array | None:
+def measure_resting(room: FittedRoom, ends: Ends, beneath: int) -> Array | None:
     """Width and height (2,) of an outline that rests on a thing, metres; None: it would rest above the horizon."""
     box, view = room.boxes[beneath], room.view
     foot = view.rays(find_foot(ends))
@@ -148,7 +148,7 @@ def list_names(place: str) -> list[str]:
     return [name for name, category in known_categories().items() if place in category.places]
 
 
-def weigh_sizes(arranged: Arrangement, item: Item, names: Sequence[str]) -> dict[str, float]:
+def weigh_sizes(arranged: Arrangement, item: FitItem, names: Sequence[str]) -> dict[str, float]:
     """How likely a thing is where it is seen, if it is one of these categories, against the likeliest."""
     costs = [
         cost_of(arranged, replace(item, usual=usual_of(known_categories()[name]), legs=name in LEGGED))
@@ -157,7 +157,7 @@ def weigh_sizes(arranged: Arrangement, item: Item, names: Sequence[str]) -> dict
     return {name: float(np.exp(min(costs) - cost)) for name, cost in zip(names, costs, strict=True)}
 
 
-def name_by_extents(size: Array, far: float, one: Candidate, before: Mapping[str, float]) -> Names:
+def name_by_extents(size: Array, far: float, one: OutlineCandidate, before: Mapping[str, float]) -> Names:
     """Names of what is so wide and high (2,), metres, by its looks and by how usual that is.
 
     far: deviation of the logarithm of its distance.
@@ -179,7 +179,7 @@ def expect_found() -> dict[str, float]:
     return {name: MISSED for shares in read_coco().values() for name, share in shares.items() if share >= MEANT}
 
 
-def cost_of(arranged: Arrangement, item: Item) -> float:
+def cost_of(arranged: Arrangement, item: FitItem) -> float:
     """Minus the logarithm of how likely a thing is where it is seen."""
     spread = float(np.linalg.slogdet(item.usual.covariance)[1]) / 2
     return float(choose_modes(arranged.camera, [item], arranged.state)[1][0]) + spread

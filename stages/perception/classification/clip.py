@@ -15,8 +15,7 @@ from torch import Tensor, nn
 
 from roomkin.stages.config.weights import CLIP, FOLDER, find_weights
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.geometry.crop import GREY
-from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.geometry.masks import GREY, pixel_bounds
 
 SIZE, PATCH, WIDTH, LAYERS, HEADS, EMBEDDED = 224, 16, 768, 12, 12, 512
 MEAN, SPREAD = (0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258, 0.27577711)

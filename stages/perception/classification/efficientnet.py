@@ -39,7 +39,7 @@ class Convolution(nn.Conv2d):
         return super().forward(functional.pad(x, self.pad) if any(self.pad) else x)
 
 
-class Block(nn.Module):
+class InvertedBlock(nn.Module):
     """Expand, convolve each channel alone, project; a shortcut where the shape stays."""
 
     def __init__(self, inputs: int, outputs: int, kernel: int, stride: int, expansion: int) -> None:
@@ -65,11 +65,11 @@ class EfficientNet(nn.Module):
     def __init__(self, count: int | None = BLOCKS) -> None:
         super().__init__()
         self.stem = Convolution(3, STEM, 3, 2)
-        blocks: list[Block] = []
+        blocks: list[InvertedBlock] = []
         inputs = STEM
         for layers, kernel, step, expansion, outputs in (*STAGES, LAST):
             for layer in range(layers):
-                blocks.append(Block(inputs, outputs, kernel, 1 if layer else step, expansion))
+                blocks.append(InvertedBlock(inputs, outputs, kernel, 1 if layer else step, expansion))
                 inputs = outputs
         self.blocks = nn.Sequential(*blocks[:count])
 

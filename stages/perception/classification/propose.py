@@ -14,9 +14,8 @@ from torch import nn
 
 from roomkin.stages.contracts import InputError
 from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.crop import GREY
 from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.geometry.masks import pixel_bounds
+from roomkin.stages.geometry.masks import GREY, pixel_bounds
 from roomkin.stages.perception.classification.clip import EMBEDDED, embed, load_tower, show
 from roomkin.stages.perception.classification.efficientnet import (
     INSTALL,
@@ -43,7 +42,7 @@ MIN_POINTS = 20  # points that show a shape; chosen
 FAR = -5.0  # metres, where the points around lie of a mask that has nothing around it
 
 
-class Shape(NamedTuple):
+class ShapeInput(NamedTuple):
     """The network's input for a mask.
 
     Attributes:
@@ -60,7 +59,7 @@ class Shape(NamedTuple):
     numbers: NDArray[np.float32]
 
 
-def measure_shape(room: Array, known: Mask, mask: Mask, camera_height: float) -> Shape | None:
+def measure_shape(room: Array, known: Mask, mask: Mask, camera_height: float) -> ShapeInput | None:
     """The shape of what a mask shows; None: too few points.
 
     Args:
@@ -88,7 +87,7 @@ def measure_shape(room: Array, known: Mask, mask: Mask, camera_height: float) ->
     height, width = mask.shape
     box = (np.ptp(rows) + 1) * (np.ptp(columns) + 1)
     cut = (rows.min() <= 1, rows.max() >= height - 2, columns.min() <= 1, columns.max() >= width - 2)
-    return Shape(
+    return ShapeInput(
         sample(points, POINTS),
         sample(near, AROUND) if len(near) >= MIN_POINTS else np.full((AROUND, 3), FAR, np.float32),
         np.array([far, camera_height, *cut, len(points) / mask.sum(), mask.sum() / box], np.float32),
@@ -104,7 +103,7 @@ class Observed(NamedTuple):
         looks: (512,) CLIP's embedding, a unit vector; None: its weights are not here.
     """
 
-    shape: Shape | None = None
+    shape: ShapeInput | None = None
     classes: Array | None = None
     looks: Array | None = None
 
@@ -172,7 +171,7 @@ FIX_HEAD = "python -m benchmarks.name_training looks writes it"
 FIX = "python -m benchmarks.name_training learn writes it"
 
 
-class Weights(NamedTuple):
+class Exponents(NamedTuple):
     """Exponents of the probabilities by shape, ImageNet's classifier, a detector and CLIP; `other`: added to the
     logarithm of that of none of the categories. By `benchmarks/names.py --fit` on `work`, rounded towards what outlines
     of real photographs ask for: renderings trust ImageNet too much, and the detector too little.
@@ -220,7 +219,7 @@ def read_coco() -> dict[str, dict[str, float]]:
     return found
 
 
-def share_shape(shape: Shape, names: Sequence[str]) -> Array:
+def share_shape(shape: ShapeInput, names: Sequence[str]) -> Array:
     """The probability (C,) of each name by its shape."""
     network, known = read_network()
     with torch.inference_mode():
@@ -273,7 +272,7 @@ def gather(observed: Observed, coco: Mapping[str, float] | None, names: Sequence
     return said
 
 
-def combine(said: Array, weights: Weights) -> Array:
+def combine(said: Array, weights: Exponents) -> Array:
     """The probabilities (..., C) of the names by what is said (..., 4, C); the last name is none of the categories."""
     total = np.log(said + FLOORS) * [[weight] for weight in weights[:4]]
     summed = total.sum(axis=-2)
@@ -290,6 +289,6 @@ def propose_names(observed: Observed, coco: Mapping[str, float] | None = None) -
         coco: what a detector takes it for: scores, 0 to 1, of COCO's classes by their names; None: nothing.
     """
     _, names = read_network()
-    share = combine(gather(observed, coco, names), Weights())
+    share = combine(gather(observed, coco, names), Exponents())
     order = np.argsort(-share[:-1], kind="stable")
     return Names([Proposal(names[one].replace("_", " "), float(share[one])) for one in order], float(share[-1]))

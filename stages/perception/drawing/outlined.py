@@ -12,14 +12,14 @@ from roomkin.stages.contracts.types import Pixel
 from roomkin.stages.geometry.boxes import UprightBox, corners, front_corners
 from roomkin.stages.geometry.frames import yaw_matrix
 from roomkin.stages.geometry.masks import Mask, polygons
-from roomkin.stages.perception.camera.metrology import CLICK, FLAT_DEPTH, MetrologyError, View, hang_box
+from roomkin.stages.perception.camera.metrology import CLICK, FLAT_DEPTH, MetrologyError, PinholeView, hang_box
 from roomkin.stages.perception.classification.names import Names
 from roomkin.stages.perception.drawing.project import Project
 from roomkin.stages.perception.drawing.room import TURNS, area_of, mark_box
 from roomkin.stages.perception.drawing.solve import Solved
 from roomkin.stages.perception.layout.ends import FLOOR as ON_FLOOR
 from roomkin.stages.perception.layout.ends import find_open, kind_of, measure_all, number_masks
-from roomkin.stages.perception.layout.fit import CameraPrior, Item, place_things
+from roomkin.stages.perception.layout.fit import CameraPrior, FitItem, place_things
 from roomkin.stages.perception.layout.walls import measure_rectangle
 
 Array = NDArray[np.float64]
@@ -95,7 +95,7 @@ def hang_outline(solved: Solved, on: str, mask: Mask, label: str) -> UprightBox:
 
 
 def fit_standing(
-    project: Project, view: View, mask: Mask, on: str, ground: float, label: str
+    project: Project, view: PinholeView, mask: Mask, on: str, ground: float, label: str
 ) -> tuple[UprightBox, bool]:
     """The box on a level, along the room, that ends where a mask (H, W) does and is about as large as usual; whether
     that tells how deep it is.
@@ -104,14 +104,14 @@ def fit_standing(
     values, own = number_masks(dict(enumerate([*drawn, mask], 1)), mask.shape), len(drawn) + 1
     ends = measure_all(values, [value for value in range(1, own + 1) if (values == value).any()], np.ones_like(mask))
     hidden, kind = find_open(own, ends, dict.fromkeys(ends, ON_FLOOR)), kind_of(label)
-    item = Item(ends[own], hidden, kind.usual, legs=kind.legs and bool(label), ground=ground)
+    item = FitItem(ends[own], hidden, kind.usual, legs=kind.legs and bool(label), ground=ground)
     camera = CameraPrior(project.perspective, view)
     fitted = place_things(camera, [item], np.array([*camera.state, np.log(view.above)]))
     (box,) = fitted.layout.list_boxes(fitted.state)
     return box, tells_depth(view, box, item.open)
 
 
-def tells_depth(view: View, box: UprightBox, hidden: Mask) -> bool:
+def tells_depth(view: PinholeView, box: UprightBox, hidden: Mask) -> bool:
     """Whether an outline would show it, if a box went back farther, or less far; `hidden` (4,): ends that it lacks."""
     fronts = [box.yaw + turn for turn in TURNS[:-1]]
     front = max(fronts, key=lambda way: area_of(view.project(front_corners(box, way))))

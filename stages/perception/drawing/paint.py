@@ -11,7 +11,7 @@ from roomkin.stages.contracts.types import LARGEST
 from roomkin.stages.geometry.boxes import UprightBox, corners, distances_along
 from roomkin.stages.geometry.frames import yaw_matrix
 from roomkin.stages.geometry.masks import Mask, polygons
-from roomkin.stages.perception.camera.metrology import DRAWING_ERROR, View
+from roomkin.stages.perception.camera.metrology import DRAWING_ERROR, PinholeView
 from roomkin.stages.perception.drawing.project import DrawnObject, Project
 from roomkin.stages.perception.drawing.solve import Solved
 
@@ -28,7 +28,7 @@ class Painted:
     values: dict[str, int]
 
 
-def _bounds(view: View, box: UprightBox, stride: int) -> tuple[slice, slice]:
+def _bounds(view: PinholeView, box: UprightBox, stride: int) -> tuple[slice, slice]:
     """Rows and columns, of every `stride`-th, that a box can reach; all if it reaches behind the camera."""
     pixels = view.project(corners(box))
     if not np.isfinite(pixels).all():

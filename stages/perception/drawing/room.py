@@ -12,13 +12,12 @@ from roomkin.stages.contracts.parts import says_opening
 from roomkin.stages.contracts.types import LARGEST, Pixel
 from roomkin.stages.geometry.boxes import UprightBox, front_corners
 from roomkin.stages.geometry.masks import outline_pieces
-from roomkin.stages.perception.camera.metrology import CLICK, MetrologyError, View, WallPlane
+from roomkin.stages.perception.camera.metrology import CLICK, MetrologyError, PinholeView, UprightPlane
 from roomkin.stages.perception.camera.perspective import fit_view, horizon
 from roomkin.stages.perception.classification.names import Names
-from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Guess, Project, Scale
+from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Guess, Project, Scale, describe_odd
 from roomkin.stages.perception.drawing.solve import UNSURE, Solved
-from roomkin.stages.perception.drawing.usual import describe_odd
-from roomkin.stages.perception.layout.room import Room
+from roomkin.stages.perception.layout.room import FittedRoom
 from roomkin.stages.perception.layout.walls import end_walls
 from roomkin.stages.perception.write import tell_names
 
@@ -38,7 +37,7 @@ class Drawing(NamedTuple):
     left_out: dict[int, str]
 
 
-def draw_room(name: str, room: Room, masks: NDArray[np.integer], labels: Mapping[int, str]) -> Drawing:
+def draw_room(name: str, room: FittedRoom, masks: NDArray[np.integer], labels: Mapping[int, str]) -> Drawing:
     """The drawing of a room, whose boxes are known: the marks are for the page.
 
     Args:
@@ -136,7 +135,7 @@ def along_room(box: UprightBox) -> bool:
     return abs(float(np.sin(2 * box.yaw))) < ALONG
 
 
-def draw_wall(view: View, name: str, wall: WallPlane) -> DrawnWall | None:
+def draw_wall(view: PinholeView, name: str, wall: UprightPlane) -> DrawnWall | None:
     """A wall by two points of its foot; None: none lies before the camera."""
     feet = wall.offset * wall.normal + np.linspace(-REACH, REACH, 81)[:, None] * wall.along
     before = (feet - [0, 0, view.above]) @ view.rotation[:, 2] > AHEAD
@@ -154,7 +153,7 @@ def area_of(pixels: Array) -> float:
     return float(area) if np.isfinite(area) and area > 0 else 0.0
 
 
-def mark_box(view: View, box: UprightBox, hangs: bool, told: bool = True) -> list[Pixel]:
+def mark_box(view: PinholeView, box: UprightBox, hangs: bool, told: bool = True) -> list[Pixel]:
     """The marks that make a box, as a person would click them: of its front, and of a rear corner.
 
     Args:

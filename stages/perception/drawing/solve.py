@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts.categories import usual_depth
-from roomkin.stages.contracts.depth import NEAREST
 from roomkin.stages.contracts.doubt import Doubt
+from roomkin.stages.contracts.images import NEAREST
 from roomkin.stages.contracts.types import LARGEST, Pixel
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import yaw_matrix
@@ -15,18 +15,20 @@ from roomkin.stages.perception.camera.metrology import (
     DRAWING_ERROR,
     FLAT_DEPTH,
     MetrologyError,
+    PinholeView,
     RearCornerError,
-    View,
-    WallPlane,
+    UprightPlane,
     fit_hanging_box,
     fit_standing_box,
     round_box,
     wall_plane,
 )
 from roomkin.stages.perception.camera.perspective import fit_view
-from roomkin.stages.perception.drawing.project import DrawnObject, Project, Scale
-from roomkin.stages.perception.drawing.usual import (
+from roomkin.stages.perception.drawing.project import (
     CAMERA_HEIGHT,
+    DrawnObject,
+    Project,
+    Scale,
     Sides,
     camera_factor,
     describe_odd,
@@ -48,8 +50,8 @@ class Solved:
     height of a camera that nobody gave; `doubts`: what the notes say of a box that pages after a run are to say too.
     """
 
-    view: View
-    walls: dict[str, WallPlane]
+    view: PinholeView
+    walls: dict[str, UprightPlane]
     boxes: dict[str, UprightBox]
     notes: dict[str, str] = field(default_factory=dict)
     guessed: set[str] = field(default_factory=set)
@@ -75,10 +77,10 @@ def _list_guessed(item: DrawnObject, hangs: bool) -> str:
 class _Room:
     """One pass over the drawing at one height of the camera."""
 
-    def __init__(self, project: Project, view: View, typed: bool) -> None:
+    def __init__(self, project: Project, view: PinholeView, typed: bool) -> None:
         self.view, self.typed = view, typed
         self.drawn = {item.id: item for item in project.objects}
-        self.walls: dict[str, WallPlane] = {}
+        self.walls: dict[str, UprightPlane] = {}
         self.boxes: dict[str, UprightBox] = {}
         self.notes: dict[str, str] = {}
         self.guessed: set[str] = set()
@@ -194,7 +196,7 @@ def _cause(item: DrawnObject, room: _Room) -> str:
     return "; is what it stands on drawn up to its worktop?" if item.on in room.boxes else ""
 
 
-def _height(project: Project, view: View) -> float:
+def _height(project: Project, view: PinholeView) -> float:
     """Height of the camera in metres, from the known length; `view` is one metre above the floor.
 
     Raises:
@@ -214,7 +216,7 @@ def _height(project: Project, view: View) -> float:
     return metres / _length(view, scale)
 
 
-def _length(view: View, scale: Scale) -> float:
+def _length(view: PinholeView, scale: Scale) -> float:
     """Length of a line on the floor, or straight up from it."""
     assert scale.points is not None
     foot = view.meet_level(scale.points[0])

@@ -19,7 +19,7 @@ from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import invert_transform, round_vector, transform_points, wrap_angle, yaw_of_matrix
 from roomkin.stages.geometry.masks import polygons
 from roomkin.stages.geometry.room_planes import STRAY, Plane, make_floor_frame
-from roomkin.stages.perception.camera.metrology import View
+from roomkin.stages.perception.camera.metrology import PinholeView
 from roomkin.stages.perception.drawing.paint import SPARSE, paint
 from roomkin.stages.perception.drawing.project import DrawnObject, Project
 from roomkin.stages.perception.drawing.solve import Solved, solve
@@ -37,12 +37,12 @@ class Written(NamedTuple):
     notes: list[str]
 
 
-def floor_from_camera(view: View) -> NDArray[np.float64]:
+def floor_from_camera(view: PinholeView) -> NDArray[np.float64]:
     """The camera in the floor frame of the contract: x along the view."""
     return make_floor_frame(Plane(view.rotation[2], -view.above, np.zeros(0, dtype=bool)))
 
 
-def floor_box(view: View, box: UprightBox) -> Box:
+def floor_box(view: PinholeView, box: UprightBox) -> Box:
     """A box of the room frame in the floor frame; its x axis is the side nearest to that frame's."""
     floor_from_room = floor_from_camera(view) @ invert_transform(view.room_from_camera)
     yaw = box.yaw + yaw_of_matrix(floor_from_room[:3, :3])
@@ -54,7 +54,7 @@ def floor_box(view: View, box: UprightBox) -> Box:
     return Box(center=round_vector(transform_points(floor_from_room, box.center)), size=size, yaw=round(turned, 6))
 
 
-def front_of(view: View, box: UprightBox, side: str) -> float:
+def front_of(view: PinholeView, box: UprightBox, side: str) -> float:
     """Direction about z, floor frame, of a side of a drawn box; its y axis goes back from what was drawn as front."""
     floor_from_room = floor_from_camera(view) @ invert_transform(view.room_from_camera)
     return round(wrap_angle(box.yaw + side_angle(side) + yaw_of_matrix(floor_from_room[:3, :3])), 6)

@@ -95,7 +95,7 @@ def measure_all(masks: NDArray[np.integer], values: Sequence[int], inside: Mask)
 
 
 @dataclass(frozen=True)
-class Item:
+class FitItem:
     """A thing to be fitted.
 
     Attributes:
@@ -222,7 +222,7 @@ def find_open(value: int, ends: Mapping[int, Ends], on: Mapping[int, int]) -> ND
 class Supported(NamedTuple):
     """What stands, to be fitted, what carries each thing (see `find_supports`) and what each is: by values of masks."""
 
-    items: dict[int, Item]
+    items: dict[int, FitItem]
     on: dict[int, int]
     kinds: dict[int, Kind]
 
@@ -242,12 +242,12 @@ def list_items(masks: NDArray[np.integer], labels: Mapping[int, str], inside: Ma
     for value in standing:
         kind, hidden = kinds[value], find_open(value, ends, on)
         carrier, across = number.get(on[value], -1), "seat" in kind.kin
-        items[value] = Item(ends[value], hidden, kind.usual, carrier, legs=kind.legs, across=across)
+        items[value] = FitItem(ends[value], hidden, kind.usual, carrier, legs=kind.legs, across=across)
     return Supported(items, on, kinds)
 
 
-def list_alone(masks: NDArray[np.integer], values: Sequence[int], inside: Mask) -> dict[int, Item]:
+def list_alone(masks: NDArray[np.integer], values: Sequence[int], inside: Mask) -> dict[int, FitItem]:
     """Those of the masks (H, W) that have these values, each as if it stood on the floor and were anything."""
     ends = measure_all(masks, values, inside)
     on = dict.fromkeys(ends, FLOOR)
-    return {value: Item(own, find_open(value, ends, on), UNKNOWN) for value, own in ends.items()}
+    return {value: FitItem(own, find_open(value, ends, on), UNKNOWN) for value, own in ends.items()}

@@ -17,7 +17,7 @@ from scipy.sparse import csr_array
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import rotation_of
 from roomkin.stages.geometry.robust import UNUSUAL
-from roomkin.stages.perception.camera.metrology import View
+from roomkin.stages.perception.camera.metrology import PinholeView
 from roomkin.stages.perception.camera.perspective import (
     AXES,
     SURE,
@@ -28,7 +28,7 @@ from roomkin.stages.perception.camera.perspective import (
     weigh_residuals,
 )
 from roomkin.stages.perception.classification.names import ODD
-from roomkin.stages.perception.layout.ends import Item
+from roomkin.stages.perception.layout.ends import FitItem
 
 Array = NDArray[np.float64]
 HEIGHT = float(np.log(1.4)), 0.2  # mean and deviation of the logarithm of a camera's height above the floor, metres
@@ -48,17 +48,17 @@ class CameraPrior:
     """What is known of the camera: lines and focal length, and the view that fits these, one metre high."""
 
     given: Perspective
-    view: View
+    view: PinholeView
 
     @property
     def state(self) -> Array:
         """Yaw, pitch, roll and the logarithm of the focal length."""
         return np.array([*angles_of(self.view.rotation), np.log(self.view.focal)])
 
-    def view_of(self, state: Array) -> View:
+    def view_of(self, state: Array) -> PinholeView:
         """The camera of a state."""
         size = self.view.width, self.view.height
-        return View(*size, float(np.exp(state[3])), rotation_of(*state[:3]), float(np.exp(state[4])))
+        return PinholeView(*size, float(np.exp(state[3])), rotation_of(*state[:3]), float(np.exp(state[4])))
 
 
 class Layout:
@@ -68,7 +68,7 @@ class Layout:
     bearing, and the logarithms of its distance on the floor and of its extents.
     """
 
-    def __init__(self, camera: CameraPrior, items: Sequence[Item]) -> None:
+    def __init__(self, camera: CameraPrior, items: Sequence[FitItem]) -> None:
         self.camera, self.items = camera, items
         self.at = np.array([item.ends.at for item in items])
         self.open = np.array([item.open for item in items])
@@ -201,7 +201,7 @@ def measure_camera(camera: CameraPrior, state: Array) -> Array:
     )
 
 
-def list_carriers(items: Sequence[Item], k: int) -> list[int]:
+def list_carriers(items: Sequence[FitItem], k: int) -> list[int]:
     """The thing that a thing stands on, the one that stands on, and so on."""
     at = items[k].on
     return [at, *list_carriers(items, at)] if at >= 0 else []
@@ -222,7 +222,7 @@ class Fitted(NamedTuple):
     cost: float
 
 
-def list_modes(item: Item) -> list[Item]:
+def list_modes(item: FitItem) -> list[FitItem]:
     """What a thing may be."""
     modes = [item]
     if item.legs and item.on < 0 and not item.open[3]:
@@ -232,7 +232,7 @@ def list_modes(item: Item) -> list[Item]:
     return [replace(one, yaw=one.yaw + turn) for one in modes for turn in (0.0, np.pi / 2)]
 
 
-def choose_modes(camera: CameraPrior, items: Sequence[Item], state: Array) -> tuple[list[Item], Array]:
+def choose_modes(camera: CameraPrior, items: Sequence[FitItem], state: Array) -> tuple[list[FitItem], Array]:
     """The best mode of each thing with this camera (5,), and what each costs (N,); carriers before what they carry."""
     chosen, costs = list(items), np.zeros(len(items))
     levels = [len(list_carriers(items, k)) for k in range(len(items))]
@@ -250,7 +250,7 @@ def choose_modes(camera: CameraPrior, items: Sequence[Item], state: Array) -> tu
     return chosen, costs
 
 
-def fit_things(camera: CameraPrior, items: Sequence[Item]) -> Fitted:
+def fit_things(camera: CameraPrior, items: Sequence[FitItem]) -> Fitted:
     """The best fit: the camera's height by trial, each thing in its best mode, then all together, and once more."""
     states = [np.array([*camera.state, HEIGHT[0] + HEIGHT[1] * step]) for step in FIRST_STEPS]
     totals = np.square(FIRST_STEPS) / 2 + [choose_modes(camera, items, state)[1].sum() for state in states]
@@ -264,7 +264,7 @@ def fit_things(camera: CameraPrior, items: Sequence[Item]) -> Fitted:
     return min(fits, key=lambda fit: fit.cost)
 
 
-def place_things(camera: CameraPrior, items: Sequence[Item], state: Array) -> Fitted:
+def place_things(camera: CameraPrior, items: Sequence[FitItem], state: Array) -> Fitted:
     """The best fit with this camera (5,): each thing in its best mode."""
     layout = Layout(camera, choose_modes(camera, items, state)[0])
     placed, costs = layout.place(state)
@@ -272,7 +272,7 @@ def place_things(camera: CameraPrior, items: Sequence[Item], state: Array) -> Fi
 
 
 def fit_measurable(
-    camera: CameraPrior, items: Mapping[int, Item], state: Array | None = None
+    camera: CameraPrior, items: Mapping[int, FitItem], state: Array | None = None
 ) -> tuple[Fitted | None, list[int]]:
     """The best fit of the things that can be fitted, and their names; None: of no thing.
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import approx_fprime
 
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.perception.camera.metrology import View, WallPlane
+from roomkin.stages.perception.camera.metrology import PinholeView, UprightPlane
 from roomkin.stages.perception.camera.perspective import Perspective, fit_view, propose, usual_focal
 from roomkin.stages.perception.classification.names import UNMEASURED
 from roomkin.stages.perception.layout.ends import NOWHERE, WALL, Kind, Mask, list_items
@@ -92,7 +92,7 @@ class Arrangement:
         return np.array([*self.camera.state, HEIGHT[0]]) if self.fitted is None else self.fitted.state[:5]
 
     @property
-    def view(self) -> View:
+    def view(self) -> PinholeView:
         """The camera."""
         if self.fitted is None:
             return replace(self.camera.view, above=float(np.exp(HEIGHT[0])))
@@ -106,7 +106,7 @@ class Arrangement:
 
 
 @dataclass(frozen=True)
-class Room:
+class FittedRoom:
     """A room: the lines that the camera follows, the camera, walls, boxes by the values of their masks.
 
     spread: of the camera. doubt: a sentence where lines and things disagree about it.
@@ -115,10 +115,10 @@ class Room:
     """
 
     perspective: Perspective
-    view: View
+    view: PinholeView
     spread: Spread
     doubt: str
-    walls: list[WallPlane]
+    walls: list[UprightPlane]
     boxes: dict[int, UprightBox]
     on: dict[int, int]
     left_out: dict[int, str] = field(default_factory=dict)
@@ -155,7 +155,7 @@ def arrange(
 
 def build_room(
     rgb: NDArray[np.uint8], arranged: Arrangement, masks: NDArray[np.integer], seen_by: Arrangement | None = None
-) -> Room:
+) -> FittedRoom:
     """The room that a picture (H, W, 3) shows: what stands there, walls, and what hangs on them.
 
     Args:
@@ -175,23 +175,23 @@ def build_room(
     left_out |= {value: "what it stands on is not seen" for value in on if on[value] == NOWHERE}
     left_out |= dict.fromkeys(arranged.odd, UNMEASURED)
     on = {value: holders.get(value, on[value]) for value in [*boxes, *hanging]}
-    return Room(camera.given, arranged.view, spread, doubt, walls, boxes | hanging, on, left_out)
+    return FittedRoom(camera.given, arranged.view, spread, doubt, walls, boxes | hanging, on, left_out)
 
 
-def scale_room(room: Room, labels: Mapping[int, str], heights: Mapping[str, float]) -> Room:
+def scale_room(room: FittedRoom, labels: Mapping[int, str], heights: Mapping[str, float]) -> FittedRoom:
     """The room, as large as the heights say, metres, that a person knows of things by label, or of the `camera`."""
     factors = [heights["camera"] / room.view.above] if "camera" in heights else []
     factors += [heights[labels[value]] / box.size[2] for value, box in room.boxes.items() if labels[value] in heights]
     if not factors:
         return room
     factor = float(np.median(factors))
-    walls = [WallPlane(wall.normal, factor * wall.offset) for wall in room.walls]
+    walls = [UprightPlane(wall.normal, factor * wall.offset) for wall in room.walls]
     boxes = {value: UprightBox(factor * box.center, factor * box.size, box.yaw) for value, box in room.boxes.items()}
     view, spread = replace(room.view, above=factor * room.view.above), room.spread._replace(height=0.0)
     return replace(room, view=view, spread=spread, walls=walls, boxes=boxes)
 
 
-def describe_camera(room: Room) -> str:
+def describe_camera(room: FittedRoom) -> str:
     """The camera, each number with its spread (one standard deviation), for people."""
     view, spread = room.view, room.spread
     down = float(np.degrees(np.arcsin(-view.rotation[2, 2])))

@@ -87,7 +87,7 @@ ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are 
 
 
 @dataclass(frozen=True)
-class Candidate:
+class OutlineCandidate:
     """An outline (H, W), how likely each of `KINDS` is (6,), its names, and whether COCO's network knows it."""
 
     mask: Mask
@@ -110,7 +110,7 @@ class Candidate:
         return self.known and self.names.proposals[0].probability > self.names.other
 
 
-def see_outlines(rgb: NDArray[np.uint8], options: OutlineSection, device: str = "cpu") -> list[Candidate]:
+def see_outlines(rgb: NDArray[np.uint8], options: OutlineSection, device: str = "cpu") -> list[OutlineCandidate]:
     """The outlines of a picture (H, W, 3), no pixel in two; those of known things first."""
     view = make_view(rgb, device)
     found = choose(view, list_proposals(view, options, options.proposers))
@@ -118,7 +118,8 @@ def see_outlines(rgb: NDArray[np.uint8], options: OutlineSection, device: str = 
     told = tell_outlines(view, found)
     names = [propose_names(observe_looks(rgb, one.mask), one.words or None) for one in found]
     return [
-        Candidate(one.mask, kinds, name, is_known(one)) for one, kinds, name in zip(found, told, names, strict=True)
+        OutlineCandidate(one.mask, kinds, name, is_known(one))
+        for one, kinds, name in zip(found, told, names, strict=True)
     ]
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from roomkin.stages.contracts.types import Pixel
 from roomkin.stages.geometry.boxes import UprightBox, corners
-from roomkin.stages.perception.camera.metrology import FLAT_DEPTH, View, WallPlane, hang_box
+from roomkin.stages.perception.camera.metrology import FLAT_DEPTH, PinholeView, UprightPlane, hang_box
 from roomkin.stages.perception.camera.perspective import find_segments
 from roomkin.stages.perception.layout.ends import WALL, Kind, Mask
 
@@ -25,13 +25,13 @@ AGAINST = {"appliance", "bed", "storage"}  # kinds that stand against walls: a v
 
 
 def find_wall(
-    view: View,
+    view: PinholeView,
     normal: Array,
     boxes: Sequence[UprightBox],
     against: Sequence[bool],
     segments: Array,
     far: Sequence[float],
-) -> WallPlane | None:
+) -> UprightPlane | None:
     """The wall that looks along `normal`, if enough tells of one.
 
     Args:
@@ -62,10 +62,10 @@ def find_wall(
         hung += 0.4 * np.exp(-((np.log(offsets / one) / HUNG) ** 2) / 2)
     votes = np.minimum(furniture, 2) + lines + np.minimum(hung, 1) - before
     best = int(votes.argmax())
-    return WallPlane(normal, -float(offsets[best])) if far or votes[best] >= MIN_VOTE else None
+    return UprightPlane(normal, -float(offsets[best])) if far or votes[best] >= MIN_VOTE else None
 
 
-def measure_rectangle(view: View, wall: WallPlane, mask: Mask) -> tuple[float, Array]:
+def measure_rectangle(view: PinholeView, wall: UprightPlane, mask: Mask) -> tuple[float, Array]:
     """How much of the upright rectangle around a mask (H, W), laid on a wall, it fills; and that rectangle's ends.
 
     The ends are along the wall and in height: (2, 2), metres.
@@ -85,12 +85,12 @@ def measure_rectangle(view: View, wall: WallPlane, mask: Mask) -> tuple[float, A
 
 def hang_things(
     rgb: NDArray[np.uint8],
-    view: View,
+    view: PinholeView,
     masks: NDArray[np.integer],
     kinds: Mapping[int, Kind],
     on: Mapping[int, int],
     boxes: Mapping[int, UprightBox],
-) -> tuple[list[WallPlane], dict[int, UprightBox], dict[int, int]]:
+) -> tuple[list[UprightPlane], dict[int, UprightBox], dict[int, int]]:
     """The walls of a room; boxes of what hangs on them, and on which: -1 - k for wall k.
 
     Args:
@@ -100,7 +100,7 @@ def hang_things(
     """
     segments = list_free_segments(rgb, masks, list(on))
     rectangles = {
-        value: [measure_rectangle(view, WallPlane(normal, -1.0), masks == value) for normal in NORMALS]
+        value: [measure_rectangle(view, UprightPlane(normal, -1.0), masks == value) for normal in NORMALS]
         for value, holder in on.items()
         if holder == WALL
     }
@@ -135,7 +135,7 @@ def list_free_segments(rgb: NDArray[np.uint8], masks: NDArray[np.integer], value
     return np.asarray(segments[covered < 0.3])
 
 
-def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]) -> WallPlane:
+def cut_off(wall: UprightPlane, drawn: tuple[float, float], others: list[UprightPlane]) -> UprightPlane:
     """The wall with its ends where it meets others.
 
     Args:
@@ -153,12 +153,12 @@ def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]
             high = min(high, at)
         elif at < first + slack:
             low = max(low, at)
-    return WallPlane(wall.normal, wall.offset, (low, high))
+    return UprightPlane(wall.normal, wall.offset, (low, high))
 
 
 def end_walls(
-    view: View, walls: Mapping[str, WallPlane], drawn: Mapping[str, tuple[Pixel, Pixel]]
-) -> dict[str, WallPlane]:
+    view: PinholeView, walls: Mapping[str, UprightPlane], drawn: Mapping[str, tuple[Pixel, Pixel]]
+) -> dict[str, UprightPlane]:
     """The walls as far as they reach, by their ids; `drawn`: the lines of their feet."""
     found = {}
     for name, line in drawn.items():

@@ -1,4 +1,7 @@
-"""Read depth from PNG, TIFF, PGM, EXR, NPZ and NPY, and find out whether it is in metres or millimetres."""
+"""Read depth from PNG, TIFF, PGM, EXR, NPZ and NPY, and find out whether it is in metres or millimetres.
+
+One array of a file of numpy's, whatever empty axes a simulator leaves around it.
+"""
 
 import re
 from collections.abc import Sequence
@@ -11,13 +14,30 @@ from PIL import Image, ImageOps
 
 from roomkin.stages.config.recordings import DEPTH_FILES, DEPTH_IMAGES
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.arrays import explain_unreadable
-from roomkin.stages.contracts.depth import NEAREST, SKY, check_depth
-from roomkin.stages.contracts.images import read_masks
+from roomkin.stages.contracts.arrays import explain_unreadable, read_npz
+from roomkin.stages.contracts.images import NEAREST, SKY, check_depth, read_masks
 from roomkin.stages.contracts.types import LARGEST
-from roomkin.stages.geometry.depth_marks import MIN_PIXELS, MIN_VALUES, count_values, find_marks, remove_marks
+from roomkin.stages.geometry.depth_forms import MIN_PIXELS, MIN_VALUES, count_values, find_marks, remove_marks
 from roomkin.stages.perception.read.depth_scale import UNITS, Stated, find_scale
-from roomkin.stages.perception.read.numpy_files import read_array
+
+ARRAYS = (".npy", ".npz")
+
+
+def read_array(path: Path, name: str) -> NDArray[Any]:
+    """The array of an NPY file, or the one of this name or the only one of an NPZ file, without axes of length 1.
+
+    Raises:
+        InputError: several arrays, none of which is called so.
+    """
+    if path.suffix.lower() == ".npy":
+        return np.squeeze(np.asarray(np.load(path, allow_pickle=False)))
+    arrays = read_npz(path)
+    if name not in arrays and len(arrays) != 1:
+        what = f"holds {', '.join(arrays)}, and none of them is called {name}."
+        fix = f"store one array (height, width) of numbers, called {name}"
+        raise InputError(path, what, fix, code="E-ARRAY-MISSING")
+    return np.squeeze(arrays.get(name, next(iter(arrays.values()))))
+
 
 # Chosen; what they find on frames of cameras is in docs/results/your-data.md.
 CUT_TIMES, CUT_SHARE = 20, 0.002  # times the pixels of any nearby value, and share of all, at the end of the range

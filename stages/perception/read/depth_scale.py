@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.depth import DEPTH_UNITS, NEAREST, UNSTRETCH
+from roomkin.stages.contracts.images import DEPTH_UNITS, NEAREST, UNSTRETCH
 from roomkin.stages.contracts.types import LARGEST
 from roomkin.stages.perception.read.camera_files import load, simplify_name
 

@@ -6,16 +6,15 @@ from pathlib import Path
 
 from roomkin.stages.config.experiment import ExperimentConfig
 from roomkin.stages.config.pictures import Picture
-from roomkin.stages.contracts.depth import read_depth
 from roomkin.stages.contracts.files import read_json
-from roomkin.stages.contracts.images import open_picture
+from roomkin.stages.contracts.images import open_picture, read_depth
 from roomkin.stages.contracts.scenes import Annotations, Camera
 from roomkin.stages.perception.drawing.project import Project
 from roomkin.stages.perception.read.depth_files import read_raw
 from roomkin.stages.perception.read.frame import check_upright
 from roomkin.stages.perception.read.mask_files import read_labelled
 from roomkin.stages.perception.read.photo import check_photo
-from roomkin.stages.perception.read.views import View, choose_camera, find_view
+from roomkin.stages.perception.read.views import ViewFiles, choose_camera, find_view
 
 
 def check_pictures(experiment: ExperimentConfig) -> None:
@@ -54,7 +53,7 @@ def _check_frame(picture: Picture) -> None:
         view = find_view(Path(picture.recording), picture.number, camera, file)
     else:
         assert camera is not None, "a picture with depth and without a camera is no valid config"
-        view = View(Path(picture.image), Path(picture.depth), camera, file)
+        view = ViewFiles(Path(picture.image), Path(picture.depth), camera, file)
     with open_picture(view.color) as image:
         shown = (*image.size, view.color.name)
     check_upright(view.color)

@@ -14,12 +14,18 @@ from roomkin.stages.contracts.categories import category_in, known_categories
 from roomkin.stages.contracts.category import find_category
 from roomkin.stages.contracts.files import decode_file
 from roomkin.stages.contracts.images import read_masks, read_upright
+from roomkin.stages.perception.read.depth_files import ARRAYS, read_array
 from roomkin.stages.perception.read.frame import Labelled, surface_of
 from roomkin.stages.perception.read.mask_json import read_coco, read_labelme
-from roomkin.stages.perception.read.mask_names import NAMES_OPTION, choose_named, read_names
-from roomkin.stages.perception.read.mask_outlines import OUTLINES, read_folder, read_yolo
+from roomkin.stages.perception.read.mask_outlines import (
+    NAMES_OPTION,
+    OUTLINES,
+    choose_named,
+    read_folder,
+    read_names,
+    read_yolo,
+)
 from roomkin.stages.perception.read.mask_shapes import NO_PIXELS, check_size, lay_shapes, list_remarks
-from roomkin.stages.perception.read.numpy_files import ARRAYS, read_array
 
 OWN_NAMES = ("class_name", "category_name", "label", "phrase")  # of an annotation, in the place of a category's number
 SIZES = ("img_width", "img_height", "image_width", "image_height", "width", "height")

@@ -16,7 +16,7 @@ from roomkin.stages.geometry.masks import OUTLINE
 from roomkin.stages.perception.read.mask_shapes import (
     WHOLE_BOX,
     Mask,
-    Shape,
+    MaskShape,
     ShapeError,
     check_count,
     check_size,
@@ -29,7 +29,7 @@ ROBOFLOW = re.compile(r"(_(png|jpe?g|webp|bmp|tiff?|heic))?\.rf\.[^.]+\.\w+$")  
 WITHOUT_RESIZE = "a version of the data set without Resize and augmentations among its steps"
 
 
-def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[Shape]:
+def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[MaskShape]:
     """All annotations of the picture of this size and name.
 
     Raises:
@@ -40,7 +40,7 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
         image = _find_image(path, data, picture)
         size = int(image.get("width") or width), int(image.get("height") or height)
         check_size(path, size, width, height, WITHOUT_RESIZE if ROBOFLOW.search(str(image.get("file_name"))) else "")
-        shapes: list[Shape] = []
+        shapes: list[MaskShape] = []
         for number, item in enumerate(data["annotations"], 1):
             if image and item.get("image_id") != image.get("id"):
                 continue
@@ -53,7 +53,7 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
                 mask, remark = _read_mask(item, (height, width))
             except ShapeError as error:
                 raise refuse_shape(path, f"annotation {number}", label, error) from None
-            shapes.append(Shape(label, mask, remark))
+            shapes.append(MaskShape(label, mask, remark))
         return shapes
 
 
@@ -184,7 +184,7 @@ CORNERS = {"polygon", "rotation", "oriented_rectangle", "quadrilateral"}  # all 
 TURNED = ("angle", "rotation", "direction")  # of a rectangle
 
 
-def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[Shape]:
+def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[MaskShape]:
     """All shapes of a file for a picture of this size and name.
 
     Raises:
@@ -202,7 +202,9 @@ def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, pict
                 mask = _read_shape(shape, (height, width))
             except ShapeError as error:
                 raise refuse_shape(path, f"shape {number}", label, error) from None
-            shapes.append(Shape(label, None, mask) if isinstance(mask, str) else Shape(label, mask, group=group))
+            shapes.append(
+                MaskShape(label, None, mask) if isinstance(mask, str) else MaskShape(label, mask, group=group)
+            )
         return shapes
 
 

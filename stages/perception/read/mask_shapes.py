@@ -21,7 +21,7 @@ FARTHEST_OUT = 2  # times the picture's longer side: no corner that somebody dre
 
 
 @dataclass(frozen=True)
-class Shape:
+class MaskShape:
     """One shape or annotation: its label; its pixels (H, W), if any; a remark on it. Shapes of one label and group are
     one object.
     """
@@ -36,7 +36,7 @@ class ShapeError(ValueError):
     """A shape that cannot be read, so that its object would be lost or misplaced; its text gives the reason."""
 
 
-def lay_shapes(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
+def lay_shapes(path: Path, shapes: Sequence[MaskShape], kind: str) -> Labelled:
     """All shapes in one label image; of two that overlap the smaller one lies on top. Prints how many are used.
 
     Args:
@@ -48,7 +48,7 @@ def lay_shapes(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
         InputError: no shape has a pixel.
     """
     objects: dict[Hashable, Mask] = {}
-    members: dict[Hashable, list[Shape]] = {}
+    members: dict[Hashable, list[MaskShape]] = {}
     remarks: list[tuple[str, str]] = []
     for number, shape in enumerate(shapes):
         empty = shape.mask is not None and not shape.mask.any()

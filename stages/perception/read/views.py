@@ -10,18 +10,16 @@ import numpy as np
 
 from roomkin.stages.config.recordings import COLOR, is_tum, list_folders, list_frames
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.depth import DOWN, TURN, check_turned
 from roomkin.stages.contracts.hand import digest_of_image
-from roomkin.stages.contracts.images import check_shown, read_rgb
+from roomkin.stages.contracts.images import DOWN, TURN, check_shown, check_turned, read_rgb
 from roomkin.stages.geometry.cameras import back_project, make_intrinsics, scale_intrinsics
-from roomkin.stages.geometry.ray_depth import along_axis, find_flatter
+from roomkin.stages.geometry.depth_forms import along_axis, find_flatter
 from roomkin.stages.geometry.room_planes import fit_floor
-from roomkin.stages.perception.read.belonging import doubt_depth
 from roomkin.stages.perception.read.camera_files import KNOWS
 from roomkin.stages.perception.read.cameras import check_intrinsics, intrinsics_of_camera, intrinsics_of_view
 from roomkin.stages.perception.read.depth_files import convert_to_metres, read_raw, remove_unsure
 from roomkin.stages.perception.read.depth_scale import find_stated_units
-from roomkin.stages.perception.read.frame import TILT, Frame, check_upright, fit_frame, surface_of
+from roomkin.stages.perception.read.frame import TILT, Frame, check_upright, doubt_depth, fit_frame, surface_of
 from roomkin.stages.perception.read.lens import Lens, read_lens, straighten_frame
 from roomkin.stages.perception.read.mask_files import read_labelled
 from roomkin.stages.perception.read.mask_pieces import doubt_surfaces, split_values
@@ -31,7 +29,7 @@ CameraReader = Callable[[int, int, str], Lens]  # the camera of a picture of thi
 
 
 @dataclass(frozen=True)
-class View:
+class ViewFiles:
     """The files of one view.
 
     color, depth: its pictures. camera: what reads it. unit_file: which may state the unit of the depth. usual: the
@@ -73,7 +71,7 @@ def choose_camera(given: Sequence[str]) -> tuple[CameraReader | None, Path | Non
     return lambda width, height, _: Lens(intrinsics_of_camera(given[0], width, height)), None
 
 
-def read_frame(view: View, unit: str, depth_is: str, masks: Path | None, labels: Path | None) -> Frame:
+def read_frame(view: ViewFiles, unit: str, depth_is: str, masks: Path | None, labels: Path | None) -> Frame:
     """Picture, depth, camera and masks of a view. What is lost of the masks is printed.
 
     Args:
@@ -142,7 +140,7 @@ def check_floor(frame: Frame) -> None:
 CAMERA_FILES = ("camera_matrix.csv", "camera.json", "config.json", "metadata.json", "metadata")
 
 
-def find_view(path: Path, number: int, camera: CameraReader | None, camera_file: Path | None = None) -> View:
+def find_view(path: Path, number: int, camera: CameraReader | None, camera_file: Path | None = None) -> ViewFiles:
     """Frame `number`, from 0, of a recording.
 
     Args:
@@ -161,7 +159,7 @@ def find_view(path: Path, number: int, camera: CameraReader | None, camera_file:
     color, depth = frames[number]
     if is_tum(path):
         source = [] if camera else ["intrinsics of TUM's tools"]
-        return View(color, depth, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {color.name}", *source))
+        return ViewFiles(color, depth, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {color.name}", *source))
     pictures, images = list_folders(path) or ([], [])
     left = len(pictures) + len(images) - 2 * len(frames)
     notes = [f"{color.name} and {depth.name}" + (f" ({left} files have no partner of their number)" if left else "")]
@@ -177,7 +175,7 @@ def find_view(path: Path, number: int, camera: CameraReader | None, camera_file:
     notes += ["odometry.csv is not read, as one frame needs no path"] if (path / "odometry.csv").is_file() else []
     of_depth = (path / "confidence" / f"{depth.stem}{suffix}" for suffix in (".png", ".npy"))
     confidence = next((file for file in of_depth if file.is_file()), None)
-    return View(color, depth, camera, camera_file or next(iter(own), None), None, tuple(notes), confidence)
+    return ViewFiles(color, depth, camera, camera_file or next(iter(own), None), None, tuple(notes), confidence)
 
 
 def _list_camera_files(path: Path) -> list[Path]:

@@ -16,7 +16,7 @@ WIDTH, HEADS, SIDE = 256, 8, 64  # numbers per token; heads; places along a side
 MASKS = 3  # guesses for one prompt: whole, part, part of a part
 
 
-class Attention(nn.Module):
+class TokenAttention(nn.Module):
     """Attention between a prompt's few tokens and the many places of a picture, or among the tokens."""
 
     def __init__(self, inner: int) -> None:
@@ -59,8 +59,11 @@ class TwoWayLayer(nn.Module):
     def __init__(self, first: bool) -> None:
         super().__init__()
         self.first = first
-        self.self_attn = Attention(WIDTH)
-        self.cross_attn_token_to_image, self.cross_attn_image_to_token = Attention(WIDTH // 2), Attention(WIDTH // 2)
+        self.self_attn = TokenAttention(WIDTH)
+        self.cross_attn_token_to_image, self.cross_attn_image_to_token = (
+            TokenAttention(WIDTH // 2),
+            TokenAttention(WIDTH // 2),
+        )
         self.mlp = nn.ModuleDict({"lin1": nn.Linear(WIDTH, 8 * WIDTH), "lin2": nn.Linear(8 * WIDTH, WIDTH)})
         self.norm1, self.norm2, self.norm3, self.norm4 = (nn.LayerNorm(WIDTH) for _ in range(4))
 
@@ -82,7 +85,7 @@ class TwoWayTransformer(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         self.layers = nn.ModuleList([TwoWayLayer(True), TwoWayLayer(False)])
-        self.final_attn_token_to_image = Attention(WIDTH // 2)
+        self.final_attn_token_to_image = TokenAttention(WIDTH // 2)
         self.norm_final_attn = nn.LayerNorm(WIDTH)
 
     def forward(self, prompt: Tensor, picture: Tensor, places: Tensor) -> tuple[Tensor, Tensor]:

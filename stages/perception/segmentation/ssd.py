@@ -28,7 +28,7 @@ NAMES = dict(enumerate(_CLASSES.replace("\n", "").split(","), start=1))
 
 
 @dataclass(frozen=True)
-class Box:
+class DetectedBox:
     """A thing that was found.
 
     Attributes:
@@ -56,21 +56,21 @@ class Ssd:
         graph, text = find_weights(SSD, folder), find_weights(SSD_GRAPH, folder)
         self._network = cv2.dnn.readNetFromTensorflow(str(graph), str(text))
 
-    def detect(self, rgb: NDArray[np.uint8], least: float = MIN_SCORE) -> list[Box]:
+    def detect(self, rgb: NDArray[np.uint8], least: float = MIN_SCORE) -> list[DetectedBox]:
         """The things in a picture (H, W, 3) that score `least` or more, the surest first."""
         height, width = rgb.shape[:2]
         self._network.setInput(cv2.dnn.blobFromImage(rgb, size=(SIDE, SIDE)))
         rows = self._network.forward().reshape(-1, 7).astype(float)  # 0, class, score, x0, y0, x1, y1 as parts
         rows = rows[np.argsort(-rows[:, 2], kind="stable")]
         boxes = np.clip(rows[:, 3:], 0, 1) * [width, height, width, height]
-        found: list[Box] = []
+        found: list[DetectedBox] = []
         for number, score, box in zip(rows[:, 1].astype(int), rows[:, 2], boxes, strict=True):
             same = next((other for other in found if overlap(other.box, tuple(box)) >= SAME), None)
             if same:
                 same.scores.setdefault(NAMES[number], float(score))
             elif score >= least:
                 x0, y0, x1, y1 = map(float, box)
-                found.append(Box((x0, y0, x1, y1), NAMES[number], float(score), {NAMES[number]: float(score)}))
+                found.append(DetectedBox((x0, y0, x1, y1), NAMES[number], float(score), {NAMES[number]: float(score)}))
         return found
 
 
@@ -108,7 +108,7 @@ def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:
     ]
 
 
-def find_boxes(rgb: NDArray[np.uint8]) -> list[Box]:
+def find_boxes(rgb: NDArray[np.uint8]) -> list[DetectedBox]:
     """Boxes of things of rooms in a picture (H, W, 3), those of the whole before those of parts, each thing once."""
     network, (height, width) = Ssd(), rgb.shape[:2]
     found = [box for box in network.detect(rgb, MIN_BOX_SCORE) if box.name in INDOORS]
@@ -128,7 +128,7 @@ def find_boxes(rgb: NDArray[np.uint8]) -> list[Box]:
                 continue
             same = next((other for other in found if overlap(other.box, moved) >= ONE_THING), None)
             if same is None:
-                found.append(Box(moved, box.name, box.score, box.scores))
+                found.append(DetectedBox(moved, box.name, box.score, box.scores))
             else:
                 same.scores.update({name: max(score, same.scores.get(name, 0.0)) for name, score in box.scores.items()})
     return found

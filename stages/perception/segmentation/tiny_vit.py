@@ -84,7 +84,7 @@ class Mlp(nn.Module):
         return self.fc2(functional.gelu(self.fc1(self.norm(features))))
 
 
-class Block(nn.Module):
+class WindowBlock(nn.Module):
     """Attention in windows, a convolution between neighbours, two layers on every place."""
 
     def __init__(self, width: int, heads: int, window: int) -> None:
@@ -125,7 +125,9 @@ class Stage(nn.Module):
         super().__init__()
         width, heads, window = WIDTHS[stage], HEADS[stage], WINDOWS[stage]
         of_stage: Any = (
-            (lambda: Block(width, heads, window)) if stage else (lambda: Bottleneck(width, 4 * width, width, 1, True))
+            (lambda: WindowBlock(width, heads, window))
+            if stage
+            else (lambda: Bottleneck(width, 4 * width, width, 1, True))
         )
         self.blocks = nn.Sequential(*(of_stage() for _ in range(DEPTHS[stage])))
         self.downsample: nn.Module = nn.Identity()

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from roomkin.stages.geometry.frames import rotation_of
-from roomkin.stages.perception.camera.metrology import View
+from roomkin.stages.perception.camera.metrology import PinholeView
 from roomkin.stages.perception.camera.perspective import Guide, Perspective, fit_view
 from roomkin.stages.perception.layout.fit import CameraPrior
-from roomkin.stages.perception.layout.room import Arrangement, Room, arrange, build_room
+from roomkin.stages.perception.layout.room import Arrangement, FittedRoom, arrange, build_room
 from roomkin.stages.perception.segmentation.proposal import find_border
 
 WIDTH, HEIGHT = 640, 480
-TRUE = View(WIDTH, HEIGHT, 520.0, rotation_of(0.25, -0.28, 0.0), 1.45)
+TRUE = PinholeView(WIDTH, HEIGHT, 520.0, rotation_of(0.25, -0.28, 0.0), 1.45)
 LABELS = {1: "fridge", 2: "sofa", 3: "coffee table", 4: "mug", 5: "picture", 6: "nightstand"}
 BOXES = {  # in the room: x to the right along the far wall, y away from us, which stands at y = 4.4
     1: UprightBox([-2.1, 4.05, 0.9], [0.7, 0.7, 1.8], 0.0),
@@ -50,12 +50,12 @@ def arrange_once(
 
 def build_once(
     rgb: NDArray[np.uint8], camera: CameraPrior, masks: NDArray[np.integer], labels: Mapping[int, str]
-) -> Room:
+) -> FittedRoom:
     """The room of what is given."""
     return build_room(rgb, arrange_once(rgb, camera, masks, labels), masks)
 
 
-def see_lines(likely_focal: float = 512.0, spread: float = 0.3, view: View = TRUE) -> CameraPrior:
+def see_lines(likely_focal: float = 512.0, spread: float = 0.3, view: PinholeView = TRUE) -> CameraPrior:
     """The camera by the room's lines, as a view shows them."""
     guides = []
     for axis, lines in LINES.items():

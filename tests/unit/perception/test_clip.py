@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from roomkin.stages.config.weights import CLIP, FOLDER
-from roomkin.stages.geometry.crop import GREY
+from roomkin.stages.geometry.masks import GREY
 from roomkin.stages.perception.classification import propose
 from roomkin.stages.perception.classification.clip import SIZE, Tower, embed, load_tower, read_published, show
 from roomkin.stages.perception.classification.propose import (

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from roomkin.stages.contracts import Camera, read_json
-from roomkin.stages.contracts.depth import read_depth
+from roomkin.stages.contracts.images import read_depth
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.depth_marks import find_marks
-from roomkin.stages.geometry.ray_depth import along_axis, find_flatter, ray_lengths
+from roomkin.stages.geometry.depth_forms import along_axis, find_flatter, find_marks, ray_lengths
 from roomkin.stages.perception import from_rgbd
 from roomkin.stages.perception.read.depth_files import convert_to_metres, find_cut_range, read_raw
 from roomkin.stages.perception.read.depth_scale import find_stated_units

@@ -14,8 +14,8 @@ from roomkin.plugins.annotator.session import Session
 from roomkin.stages.config.model import load, with_defaults
 from roomkin.stages.config.perception import DrawOptions
 from roomkin.stages.contracts import Camera, InputError, read_json, write_json
-from roomkin.stages.contracts.checksums import digest_of
 from roomkin.stages.contracts.doubt import DoubtKind
+from roomkin.stages.contracts.files import digest_of
 from roomkin.stages.contracts.hand import PROJECT, digest_of_picture
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.contracts.scene_input import read_scene_input

@@ -13,7 +13,7 @@ from roomkin.stages.geometry.boxes import UprightBox, corners, oriented_iou
 from roomkin.stages.geometry.frames import rotation_of
 from roomkin.stages.perception.camera.metrology import (
     MetrologyError,
-    View,
+    PinholeView,
     depth_by_pixel,
     fit_hanging_box,
     fit_standing_box,
@@ -31,13 +31,12 @@ from roomkin.stages.perception.camera.perspective import (
     vanishing_point,
 )
 from roomkin.stages.perception.drawing.outlined import support_at
-from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
+from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale, camera_factor
 from roomkin.stages.perception.drawing.solve import solve
-from roomkin.stages.perception.drawing.usual import camera_factor
 
 ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"  # room_1 of the default run, as JPEG, and its truth
 YAW, PITCH, ROLL = np.deg2rad([12.0, -15.0, 1.5])
-VIEW = View(800, 600, 640.0, rotation_of(YAW, PITCH, ROLL), 1.6)
+VIEW = PinholeView(800, 600, 640.0, rotation_of(YAW, PITCH, ROLL), 1.6)
 NOTHING = (None, None, None)
 BOX = UprightBox([0.4, 3.2, 0.45], [0.8, 0.5, 0.9], 0.0)
 WALL = -4.0  # normal (0, -1, 0): the wall is y = 4
@@ -47,7 +46,7 @@ def _seen(box: UprightBox, *which: int) -> list[tuple[float, float]]:
     return [tuple(pixel) for pixel in VIEW.project(corners(box)[list(which)]).tolist()]
 
 
-def _perspective(view: View = VIEW, **changes: object) -> Perspective:
+def _perspective(view: PinholeView = VIEW, **changes: object) -> Perspective:
     """Lines of three axes through the room, exactly as `view` shows them."""
     starts = np.array([[-1.0, 3, 0], [1, 2.5, 0.3], [0.5, 4, 1.2]])
     guides = []
@@ -63,7 +62,7 @@ def _project(**parts: object) -> Project:
     return Project(picture="room.jpg", width=800, height=600, **given)  # type: ignore[arg-type]
 
 
-def _same(view: View, true: View = VIEW, degrees: float = 0.1) -> None:
+def _same(view: PinholeView, true: PinholeView = VIEW, degrees: float = 0.1) -> None:
     turn = view.rotation.T @ true.rotation
     assert np.rad2deg(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))) < degrees
 
@@ -107,7 +106,9 @@ def test_a_wrong_line_does_not_bend_the_room() -> None:
 
 
 def test_what_lines_leave_open_is_as_is_usual_and_what_is_fixed_stays() -> None:
-    frontal = View(800, 600, 640, rotation_of(0, 0, 0), 1.6)  # one-point perspective says nothing of the focal length
+    frontal = PinholeView(
+        800, 600, 640, rotation_of(0, 0, 0), 1.6
+    )  # one-point perspective says nothing of the focal length
     assert fit_view(_perspective(frontal, likely_focal=700.0), 800, 600).focal == pytest.approx(700, rel=0.02)
     assert fit_view(_perspective(frontal, focal=555.0), 800, 600).focal == pytest.approx(555, rel=0.01)
     bare = fit_view(Perspective(likely_focal=640), 800, 600)
@@ -287,7 +288,7 @@ def test_the_camera_is_proposed_from_a_picture_alone() -> None:
 
 def test_a_camera_that_sees_no_floor_is_not_proposed() -> None:
     """Lines of a ceiling 40 degrees up: who draws stands over a floor or a table, and sees it."""
-    up = View(640, 480, 520.0, rotation_of(0.2, np.deg2rad(40), 0.0))
+    up = PinholeView(640, 480, 520.0, rotation_of(0.2, np.deg2rad(40), 0.0))
     drawn = np.full((480, 640), 90, np.uint8)
     for k in np.linspace(-6, 6, 13):
         for ends in ([[k, 1.0, 3.0], [k, 9.0, 3.0]], [[-6.0, 5 + k / 2, 3.0], [6.0, 5 + k / 2, 3.0]]):

@@ -27,9 +27,9 @@ from roomkin.stages.perception.classification.propose import (
     FAR,
     NETWORK,
     POINTS,
+    Exponents,
     Names,
     Observed,
-    Weights,
     combine,
     gather,
     measure_shape,
@@ -137,9 +137,9 @@ def test_a_mask_at_the_border_is_cut_there_and_one_without_depth_has_no_shape() 
 
 def test_without_depth_and_words_every_name_is_as_likely() -> None:
     assert gather(Observed(), None, NAMES) == pytest.approx(np.full((4, len(NAMES)), 1 / len(NAMES)))
-    assert combine(gather(Observed(), {}, NAMES), Weights(other=0)) == pytest.approx(1 / len(NAMES))
+    assert combine(gather(Observed(), {}, NAMES), Exponents(other=0)) == pytest.approx(1 / len(NAMES))
     one_against_two = np.array([[0.98, 0.02, 0.0], [0.0, 0.5, 0.5], [0.98, 0.02, 0.0], [0.98, 0.02, 0.0]])
-    assert combine(one_against_two, Weights(other=0)).argmax() == 0, "who says 0 does not overrule the others"
+    assert combine(one_against_two, Exponents(other=0)).argmax() == 0, "who says 0 does not overrule the others"
 
 
 def test_a_class_of_imagenet_is_a_vote_for_its_categories() -> None:
@@ -169,7 +169,7 @@ def test_weights_follow_who_is_right() -> None:
     fitted = fit(said, right)
     assert fitted.shape > 1 and abs(fitted.classes) < 0.2
     assert fitted.other == pytest.approx(np.log(3), abs=0.5)  # none is a fourth of them, and counts for half
-    assert likelihood(combine(said, fitted), right) > likelihood(combine(said, Weights(1, 1, 1, 1, 0)), right) + 0.1
+    assert likelihood(combine(said, fitted), right) > likelihood(combine(said, Exponents(1, 1, 1, 1, 0)), right) + 0.1
 
 
 def test_without_the_classifier_names_are_proposed_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:

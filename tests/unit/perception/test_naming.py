@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.perception.camera.metrology import WallPlane
+from roomkin.stages.perception.camera.metrology import UprightPlane
 from roomkin.stages.perception.classification import by_size
 from roomkin.stages.perception.classification.by_size import expect_found, name_by_extents, name_others, name_standing
 from roomkin.stages.perception.classification.names import Names, Proposal
 from roomkin.stages.perception.layout.ends import kind_of, measure_all, number_masks
-from roomkin.stages.perception.layout.room import Room
+from roomkin.stages.perception.layout.room import FittedRoom
 from roomkin.stages.perception.layout.things import (
     FLOOR,
     HANGS,
@@ -23,7 +23,7 @@ from roomkin.stages.perception.layout.things import (
     RESTS,
     STANDS,
     WALL,
-    Candidate,
+    OutlineCandidate,
     join_stacked,
     make_view,
 )
@@ -51,18 +51,20 @@ def likely(*kinds: str) -> NDArray[np.float64]:
     return np.array([2.0 ** -kinds.index(kind) if kind in kinds else 0.0 for kind in KINDS])
 
 
-def unknown(mask: Mask, kind: str) -> Candidate:
-    return Candidate(mask, likely(kind), NOBODY_KNOWS, False)
+def unknown(mask: Mask, kind: str) -> OutlineCandidate:
+    return OutlineCandidate(mask, likely(kind), NOBODY_KNOWS, False)
 
 
-def known(mask: Mask, *names: tuple[str, float]) -> Candidate:
-    return Candidate(mask, likely(STANDS), Names([Proposal(*one) for one in names], 0.05), True)
+def known(mask: Mask, *names: tuple[str, float]) -> OutlineCandidate:
+    return OutlineCandidate(mask, likely(STANDS), Names([Proposal(*one) for one in names], 0.05), True)
 
 
 INSIDE = np.ones((HEIGHT, WIDTH), bool)
 
 
-def see(*further: Candidate, beside: Sequence[int] = (1, 2)) -> tuple[list[Candidate], Room, dict[int, str]]:
+def see(
+    *further: OutlineCandidate, beside: Sequence[int] = (1, 2)
+) -> tuple[list[OutlineCandidate], FittedRoom, dict[int, str]]:
     """Outlines of a fridge and a sofa that are known, and further ones."""
     masks = outline_room(tuple(beside))
     seen = [known(masks == value, (LABELS[value], 0.9)) for value in beside] + list(further)
@@ -70,7 +72,7 @@ def see(*further: Candidate, beside: Sequence[int] = (1, 2)) -> tuple[list[Candi
     return seen, build_once(show_room(), see_lines(), number(seen), labels), labels
 
 
-def number(seen: Sequence[Candidate]) -> NDArray[np.uint16]:
+def number(seen: Sequence[OutlineCandidate]) -> NDArray[np.uint16]:
     return number_masks({value: one.mask for value, one in enumerate(seen, 1)}, INSIDE.shape)
 
 
@@ -78,22 +80,22 @@ def first(named: dict[int, Names]) -> dict[int, str]:
     return {value: names.proposals[0].name for value, names in named.items()}
 
 
-def name(seen: Sequence[Candidate], labels: dict[int, str]) -> tuple[dict[int, Names], set[int]]:
+def name(seen: Sequence[OutlineCandidate], labels: dict[int, str]) -> tuple[dict[int, Names], set[int]]:
     masks = number(seen)
     arranged = arrange_once(show_room(), see_lines(), masks, labels)
     return name_standing(seen, masks, measure_all(masks, range(1, len(seen) + 1), INSIDE), arranged, labels, INSIDE)
 
 
-def stand(seen: Sequence[Candidate], _: object, labels: dict[int, str]) -> dict[int, str]:
+def stand(seen: Sequence[OutlineCandidate], _: object, labels: dict[int, str]) -> dict[int, str]:
     return first(name(seen, labels)[0])
 
 
-def name_rest(seen: Sequence[Candidate], room: Room, labels: dict[int, str]) -> dict[int, Names]:
+def name_rest(seen: Sequence[OutlineCandidate], room: FittedRoom, labels: dict[int, str]) -> dict[int, Names]:
     masks, kinds = number(seen), {value: kind_of(label) for value, label in labels.items()}
     return name_others(seen, masks, measure_all(masks, range(1, len(seen) + 1), INSIDE), room, kinds)
 
 
-def rest(seen: Sequence[Candidate], room: Room, labels: dict[int, str]) -> dict[int, str]:
+def rest(seen: Sequence[OutlineCandidate], room: FittedRoom, labels: dict[int, str]) -> dict[int, str]:
     return first(name_rest(seen, room, labels))
 
 
@@ -101,7 +103,7 @@ def kin_of(label: str) -> set[str]:
     return set(known_categories()[label.replace(" ", "_")].kin)
 
 
-def floor_around(*masks: Mask) -> Candidate:
+def floor_around(*masks: Mask) -> OutlineCandidate:
     floor = np.zeros((HEIGHT, WIDTH), bool)
     floor[HEIGHT // 2 :] = True
     return unknown(floor & ~np.any([*masks], axis=0), FLOOR)
@@ -110,8 +112,8 @@ def floor_around(*masks: Mask) -> Candidate:
 def test_a_known_thing_is_one_of_the_library_or_none() -> None:
     mask = outline_box(BOXES[1])
     assert known(mask, ("fridge", 0.9)).is_sure
-    assert not Candidate(mask, 0.95, Names([Proposal("fridge", 0.3)], 0.7), True).is_sure, "it is likelier none"
-    assert not Candidate(mask, 0.95, Names([Proposal("fridge", 0.9)], 0.1), False).is_sure, "no network knows it"
+    assert not OutlineCandidate(mask, 0.95, Names([Proposal("fridge", 0.3)], 0.7), True).is_sure, "it is likelier none"
+    assert not OutlineCandidate(mask, 0.95, Names([Proposal("fridge", 0.9)], 0.1), False).is_sure, "no network knows it"
 
 
 def test_a_row_of_drawers_over_a_door_is_one_front() -> None:
@@ -152,7 +154,7 @@ def test_what_stands_on_the_floor_is_named_by_its_size() -> None:
 def test_a_rug_ends_at_the_floor() -> None:
     flat = UprightBox([-0.6, 2.9, 0.01], [1.2, 0.6, 0.02], 0.0)
     mask = outline_box(flat)
-    rug = Candidate(mask, likely(STANDS), Names([Proposal("rug", 0.9)], 0.1), False)
+    rug = OutlineCandidate(mask, likely(STANDS), Names([Proposal("rug", 0.9)], 0.1), False)
     below = unknown(np.any([np.roll(mask, k, axis=0) for k in range(1, 40)], axis=0) & ~mask, NOTHING)
     assert stand(*see(rug))[3] == "rug"
     assert stand(*see(rug, below))[3] != "rug", "what ends at another thing is none"
@@ -168,15 +170,15 @@ def test_what_hangs_is_named_by_its_size_on_its_wall() -> None:
     seen, room, labels = see(unknown(outline_box(BOXES[5]), HANGS))
     assert rest(seen, room, labels) == {3: "picture"}
     wide = UprightBox([-0.2, 4.35, 0.5], [1.1, 0.1, 0.6], 0.0)
-    radiator = Candidate(outline_box(wide), likely(HANGS), Names([Proposal("radiator", 0.5)], 0.5), False)
+    radiator = OutlineCandidate(outline_box(wide), likely(HANGS), Names([Proposal("radiator", 0.5)], 0.5), False)
     assert rest(*see(radiator)) == {3: "radiator"}, "by its looks, too"
-    either = Candidate(outline_box(BOXES[5]), likely(RESTS, HANGS, WALL), NOBODY_KNOWS, False)
+    either = OutlineCandidate(outline_box(BOXES[5]), likely(RESTS, HANGS, WALL), NOBODY_KNOWS, False)
     assert rest(*see(either)) == {3: "picture"}, "as nothing carries it"
 
 
 def test_a_wall_that_is_not_faced_tells_no_size() -> None:
     seen, room, labels = see(unknown(outline_box(BOXES[5]), HANGS))
-    behind = replace(room, walls=[WallPlane(np.array([0.0, 1.0, 0.0]), -1.0)])
+    behind = replace(room, walls=[UprightPlane(np.array([0.0, 1.0, 0.0]), -1.0)])
     assert rest(seen, behind, labels) == {}
 
 

@@ -9,7 +9,7 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from roomkin.stages.perception.segmentation.decoder import WIDTH, Attention
+from roomkin.stages.perception.segmentation.decoder import WIDTH, TokenAttention
 from roomkin.stages.perception.segmentation.mobile_sam import Embedded, MobileSam, Outlines
 from roomkin.stages.perception.segmentation.ssd import NAMES, Ssd, overlap
 from tests.refusals import refused
@@ -88,7 +88,7 @@ def test_prompts_do_not_depend_on_each_other(sign: Embedded) -> None:
 def test_short_ways_of_attention_are_exact() -> None:
     """Between tokens and places as between any two: the projections are merely done in another order."""
     torch.manual_seed(0)
-    attention = Attention(WIDTH // 2)
+    attention = TokenAttention(WIDTH // 2)
     tokens, values, places = torch.randn(2, 7, WIDTH), torch.randn(2, 7, WIDTH), torch.randn(2, 50, WIDTH)
     short = attention.to_picture(tokens, places, places + 1), attention.from_picture(places, tokens, values)
     plain = attention(tokens, places, places + 1), attention(places, tokens, values)

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 import yaml
 
-from roomkin.stages.config.extraction import ExtractionConfig
+from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts import Camera, InputError, read_json
-from roomkin.stages.contracts.corrections import Correction
+from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks
-from roomkin.stages.extraction.observation import read_folder
+from roomkin.stages.extraction.noise import read_folder
 from roomkin.stages.extraction.reconstruct import reconstruct
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.perception import from_rgbd

@@ -9,7 +9,7 @@ import pytest
 
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import rotation_of
-from roomkin.stages.perception.camera.metrology import WallPlane
+from roomkin.stages.perception.camera.metrology import UprightPlane
 from roomkin.stages.perception.draw import describe_camera
 from roomkin.stages.perception.drawing.room import draw_room, draw_wall
 from roomkin.stages.perception.drawing.solve import solve
@@ -23,8 +23,8 @@ from roomkin.stages.perception.layout.ends import (
     kind_of,
     measure_all,
 )
-from roomkin.stages.perception.layout.fit import Item, Layout, choose_modes, list_modes
-from roomkin.stages.perception.layout.room import Room, Spread, scale_room
+from roomkin.stages.perception.layout.fit import FitItem, Layout, choose_modes, list_modes
+from roomkin.stages.perception.layout.room import FittedRoom, Spread, scale_room
 from roomkin.stages.perception.layout.walls import find_wall, measure_rectangle
 from roomkin.stages.perception.segmentation.proposal import find_border
 from tests.unit.perception.room_alone import (
@@ -48,22 +48,22 @@ def supports(masks: Any, labels: dict[int, str], ends: Any) -> dict[int, int]:
 FAR_WALL = np.array([0.0, -1.0, 0.0])
 
 
-def find(values: tuple[int, ...] = tuple(BOXES)) -> Room:
+def find(values: tuple[int, ...] = tuple(BOXES)) -> FittedRoom:
     return build_once(show_room(), see_lines(), outline_room(values), {value: LABELS[value] for value in values})
 
 
 @pytest.fixture(scope="module")
-def found() -> Room:
+def found() -> FittedRoom:
     return find()
 
 
-def test_the_camera_is_found_by_lines_and_usual_sizes(found: Room) -> None:
+def test_the_camera_is_found_by_lines_and_usual_sizes(found: FittedRoom) -> None:
     assert found.view.above == pytest.approx(TRUE.above, rel=0.1)
     assert np.degrees(np.arccos(found.view.rotation[2] @ TRUE.rotation[2])) < 1
     assert found.view.focal == pytest.approx(TRUE.focal, rel=0.05)
 
 
-def test_things_are_as_far_and_as_large_as_they_are_up_to_the_scale(found: Room) -> None:
+def test_things_are_as_far_and_as_large_as_they_are_up_to_the_scale(found: FittedRoom) -> None:
     scale = TRUE.above / found.view.above
     for value, box in BOXES.items():
         assert scale * found.boxes[value].center == pytest.approx(box.center, abs=0.1 * np.linalg.norm(box.center))
@@ -72,13 +72,13 @@ def test_things_are_as_far_and_as_large_as_they_are_up_to_the_scale(found: Room)
         )
 
 
-def test_what_stands_and_hangs_is_told_by_its_kind_and_by_what_is_below(found: Room) -> None:
+def test_what_stands_and_hangs_is_told_by_its_kind_and_by_what_is_below(found: FittedRoom) -> None:
     assert [found.on[value] for value in (1, 2, 3, 6)] == [FLOOR] * 4
     assert found.on[4] == 3 and found.boxes[4].bottom == pytest.approx(found.boxes[3].top)
     assert found.on[5] == -1 and found.walls[0].offset == pytest.approx(-4.4, rel=0.12)
 
 
-def test_a_length_that_a_person_knows_gives_the_scale(found: Room) -> None:
+def test_a_length_that_a_person_knows_gives_the_scale(found: FittedRoom) -> None:
     large = scale_room(found, LABELS, {"fridge": 3.6, "wardrobe": 1.0})
     factor = 3.6 / found.boxes[1].size[2]
     assert large.boxes[1].size[2] == pytest.approx(3.6) and large.view.above == pytest.approx(factor * found.view.above)
@@ -166,8 +166,8 @@ def layout_of(**change: object) -> tuple[Layout, np.ndarray]:
     ends = measure_all(masks, [3, 4], ~find_border(show_room()))
     none = np.zeros(4, bool)
     items = [
-        Item(ends[3], none, kind_of("coffee table").usual),
-        Item(ends[4], none, kind_of("mug").usual, on=0),
+        FitItem(ends[3], none, kind_of("coffee table").usual),
+        FitItem(ends[4], none, kind_of("mug").usual, on=0),
     ]
     items[0] = replace(items[0], **change)  # type: ignore[arg-type]
     state = [*see_lines().state, np.log(TRUE.above)]
@@ -235,16 +235,16 @@ def test_a_wall_wants_furniture_and_a_line_or_what_hangs() -> None:
 
 def test_what_a_wall_does_not_face_is_no_rectangle_on_it() -> None:
     mask = outline_box(BOXES[5])
-    assert measure_rectangle(TRUE, WallPlane(FAR_WALL, -4.4), mask)[0] > 0.9
-    assert measure_rectangle(TRUE, WallPlane(-FAR_WALL, -4.4), mask)[0] == 0
+    assert measure_rectangle(TRUE, UprightPlane(FAR_WALL, -4.4), mask)[0] > 0.9
+    assert measure_rectangle(TRUE, UprightPlane(-FAR_WALL, -4.4), mask)[0] == 0
 
 
 def test_a_wall_behind_the_camera_is_not_drawn() -> None:
-    assert draw_wall(TRUE, "wall_1", WallPlane(-FAR_WALL, -4.4)) is None
-    assert draw_wall(TRUE, "wall_1", WallPlane(FAR_WALL, -4.4)) is not None
+    assert draw_wall(TRUE, "wall_1", UprightPlane(-FAR_WALL, -4.4)) is None
+    assert draw_wall(TRUE, "wall_1", UprightPlane(FAR_WALL, -4.4)) is not None
 
 
-def test_a_drawing_gives_the_boxes_again(found: Room) -> None:
+def test_a_drawing_gives_the_boxes_again(found: FittedRoom) -> None:
     project, known, left_out = draw_room("room.png", found, outline_room(), LABELS)
     solved = solve(project)
     assert left_out == {} and all(item.unsure and item.outlines for item in project.objects)
@@ -261,7 +261,7 @@ def test_a_drawing_gives_the_boxes_again(found: Room) -> None:
     assert on["thing_4"] == "thing_3" and on["thing_5"] == "wall_1" and on["thing_1"] == "floor"
 
 
-def test_what_stands_on_what_cannot_be_drawn_is_left_out_with_it(found: Room) -> None:
+def test_what_stands_on_what_cannot_be_drawn_is_left_out_with_it(found: FittedRoom) -> None:
     behind = UprightBox([0, 0, 0.2], [1, 1, 0.4], 0.0)  # below the camera
     room = replace(found, boxes=found.boxes | {3: behind})
     project, _, left_out = draw_room("room.png", room, outline_room(), LABELS)
@@ -271,7 +271,7 @@ def test_what_stands_on_what_cannot_be_drawn_is_left_out_with_it(found: Room) ->
     assert {item.id for item in project.objects} == {"thing_1", "thing_2", "thing_5", "thing_6"}
 
 
-def test_each_number_of_the_camera_has_its_spread(found: Room) -> None:
+def test_each_number_of_the_camera_has_its_spread(found: FittedRoom) -> None:
     spread = found.spread
     assert abs(np.log(found.view.above / TRUE.above)) < 2 * spread.height < 0.4
     assert abs(np.log(found.view.focal / TRUE.focal)) < 2 * spread.focal and np.degrees(spread.tilt) < 2
@@ -281,7 +281,7 @@ def test_each_number_of_the_camera_has_its_spread(found: Room) -> None:
     assert scale_room(found, LABELS, {"camera": 1.45}).spread == spread._replace(height=0)
 
 
-def test_the_camera_is_told_in_metres_degrees_and_pixels(found: Room) -> None:
+def test_the_camera_is_told_in_metres_degrees_and_pixels(found: FittedRoom) -> None:
     room = replace(found, view=TRUE, spread=Spread(tilt=np.radians(2), height=0.2, focal=0.05), doubt="")
     sides = "above the floor and looks 16.0 degrees (± 2.0) down, its focal length is 520 pixels (± 26)"
     assert describe_camera(room) == f"the camera is 1.45 m (± 0.29) {sides}"
@@ -289,7 +289,7 @@ def test_the_camera_is_told_in_metres_degrees_and_pixels(found: Room) -> None:
     assert describe_camera(sure) == f"the camera is 1.45 m {sides}", "a person told it"
 
 
-def test_lines_that_no_thing_agrees_with_are_told(found: Room) -> None:
+def test_lines_that_no_thing_agrees_with_are_told(found: FittedRoom) -> None:
     labels = {value: LABELS[value] for value in BOXES}
     askew = replace(TRUE, rotation=rotation_of(0.25, -0.28 - np.radians(12), 0.0))
     room = build_once(show_room(), see_lines(view=askew), outline_room(), labels)

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.perception.read import mask_shapes
-from roomkin.stages.perception.read.belonging import doubt_depth
-from roomkin.stages.perception.read.frame import Frame, Labelled, surface_of
+from roomkin.stages.perception.read.frame import Frame, Labelled, doubt_depth, surface_of
 from roomkin.stages.perception.read.mask_files import read_labelled
 from roomkin.stages.perception.read.mask_pieces import doubt_surfaces, split_values
 from roomkin.stages.perception.read.views import find_view, list_frames
