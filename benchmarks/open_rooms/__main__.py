@@ -5,6 +5,7 @@
     python -m benchmarks.open_rooms run DIR            through the stages; --masks unaided: without a hand
     python -m benchmarks.open_rooms score DIR          docs/results/open.md and open.csv.xz
     python -m benchmarks.open_rooms make DIR           fetch, render, and DIR/rooms: a data set for any method
+    python -m benchmarks.open_rooms submit DIR         what `run` made of a set, as a submission for `roomkin score`
     python -m benchmarks.open_rooms gallery DIR        docs/results/gallery.md and its pictures, of what was scored
 
 Each goes on where it was stopped.
@@ -23,7 +24,7 @@ from roomkin.stages.contracts import InputError
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("command", choices=["fetch", "render", "run", "score", "make", "gallery"])
+    parser.add_argument("command", choices=["fetch", "render", "run", "score", "make", "submit", "gallery"])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--half", choices=[*packs.HALVES, *packs.MIXED, ""], default="", help="only this half")
     parser.add_argument("--only", default="", help="only pictures with this in their name")
@@ -34,8 +35,8 @@ def main() -> None:
     )
     parser.add_argument("--masks", nargs="+", choices=MASKS, default=["drawn", "exact"])
     parser.add_argument("--rows", nargs="+", default=["geometry", "no-image", "hog"], help="who chooses models")
-    parser.add_argument("--out", type=Path, default=Path("docs/results"), help="of `score`")
-    parser.add_argument("--version", default="this", help="of the code that ran, which `score` names")
+    parser.add_argument("--out", type=Path, default=Path("docs/results"), help="of `score` and `submit`")
+    parser.add_argument("--version", default="this", help="of the code that ran, which `score` and `submit` name")
     asked = parser.parse_args()
     halves = [asked.half] if asked.half else list(packs.HALVES)
     try:
@@ -54,6 +55,13 @@ def main() -> None:
             from benchmarks.open_rooms.run import run
 
             run(asked.folder, asked.library, asked.half, asked.only, tuple(asked.masks), tuple(asked.rows))
+        elif asked.command == "submit":
+            from benchmarks.open_rooms.submit import submit
+
+            for half in halves:
+                for masks in asked.masks:
+                    out = asked.out / f"{half}_{masks}.json"
+                    submit(asked.folder, asked.library, half, masks, out, asked.version)
         elif asked.command == "gallery":
             from benchmarks.open_rooms.gallery import gallery
 
