@@ -37,7 +37,8 @@ def read(path: Path, about: About) -> RoomScene:
     camera = np.eye(4)
     for node in sorted(_list_things(tree, str(graph.base_frame), graph.nodes_geometry)):
         pose = z_up @ graph.get(node)[0]
-        about_node = graph.transforms.node_data.get(node, {}).get("metadata") or {}
+        edge = graph.transforms.edge_data[graph.transforms.parents[node], node]
+        about_node = edge.get("metadata") or {}
         if node.casefold() in CAMERAS:
             camera = graph.get(node)[0]
             continue

@@ -46,7 +46,7 @@ def read(path: Path, about: About) -> RoomScene:
         seen = [geom for geom in geoms if not (world.geom_contype[geom] or world.geom_conaffinity[geom])] or geoms
         meshes = [mesh for geom in seen if (mesh := _read_geom(world, data, geom)) is not None]
         if meshes:
-            name = mujoco.mj_id2name(world, mujoco.mjtObj.mjOBJ_BODY, body) or "thing"
+            name = (mujoco.mj_id2name(world, mujoco.mjtObj.mjOBJ_BODY, body) or "thing").partition("/")[0]
             thing, cells[len(things)] = describe_solid(name, meshes, data.xmat[body].reshape(3, 3))
             things.append(thing)
     room = {"frame": "floor", "floor_from_camera": (view @ OPENGL).tolist(), "things": things}

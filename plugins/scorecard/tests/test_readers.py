@@ -72,6 +72,16 @@ def test_a_glb_of_nodes(tmp_path: Path, upright: str, camera: bool) -> None:
                 } == {1: 0, 2: 0, 3: 0}  # fmt: skip
 
 
+def test_extras_of_a_node_name_it_before_its_id(tmp_path: Path) -> None:
+    """As our own GLBs have them; walls are told by theirs, whatever they are called."""
+    scene = trimesh.Scene()
+    for name, extras in (("object_7", {"category": "mug"}), ("north", {"surface": "wall"})):
+        scene.graph.update(frame_to=name, frame_from="world", matrix=np.eye(4), metadata=extras)
+        scene.add_geometry(trimesh.creation.box(), node_name=f"{name}/0", geom_name=name, parent_node_name=name)
+    (tmp_path / "toy_room_1.glb").write_bytes(scene.export(file_type="glb"))
+    assert [thing.name for thing in read(tmp_path).rooms["toy_room_1"].room.things] == ["mug"]
+
+
 def join(values: Any) -> str:
     """Numbers as MJCF has them."""
     return " ".join(f"{value:.9g}" for value in values)
