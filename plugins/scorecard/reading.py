@@ -3,6 +3,7 @@ room is told, and that room counts as missed."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,9 @@ def _collect(about: About, sources: Mapping[str, Any], read: Callable[[Any], Roo
     scenes, unread = dict[str, RoomScene](), dict[str, str]()
     for room, source in sources.items():
         try:
-            scenes[room] = read(source)
+            scenes[room] = (
+                read(source) if {"drawn masks", "exact masks"} & {*about.given} else forget_numbers(read(source))
+            )
         except InputError as error:
             unread[room] = str(error)
         except ValidationError as error:
@@ -55,6 +58,12 @@ def _collect(about: About, sources: Mapping[str, Any], read: Callable[[Any], Roo
         except Exception as error:  # a library's reader, on a file from elsewhere: whatever it raises is that room's
             unread[room] = explain(error)
     return Submission(about, scenes, unread)
+
+
+def forget_numbers(scene: RoomScene) -> RoomScene:
+    """The scene without the numbers of masks: who was given none cannot know them."""
+    things = [thing.model_copy(update={"number": None}) for thing in scene.room.things]
+    return replace(scene, room=scene.room.model_copy(update={"things": things}))
 
 
 def find_room(folder: Path, room: str) -> Path | None:

@@ -64,6 +64,17 @@ def test_a_room_that_is_not_there_is_missed_and_strange_rooms_are_left(
     assert set(pd.read_csv(tmp_path / "things.csv")["status"]) == {"missed"}
 
 
+@pytest.mark.parametrize(("given", "placed"), [(["depth"], False), (["depth", "exact masks"], True)])
+def test_a_number_counts_only_where_masks_were_given(tmp_path: Path, given: list[str], placed: bool) -> None:
+    data = write_rooms(tmp_path / "rooms")
+    far = say(MUG, number=2, center=[3.5, 3.5, 0.05])
+    mine = tmp_path / "a.json"
+    mine.write_text(json.dumps(HEAD | {"given": given, "rooms": {"toy_room_1": room(far)}}))
+    score.run(mine, rooms="toy", data=data, out=tmp_path, pictures=False)
+    rows = pd.read_csv(tmp_path / "things.csv").set_index("label")
+    assert rows.loc["cup", "placed"] == placed
+
+
 def test_two_submissions_are_compared_thing_by_thing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     data = write_rooms(tmp_path / "rooms")
     whole = write(tmp_path / "a.json", toy_room_1=room(say(TABLE), say(MUG), say(CABINET)))
