@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 import trimesh
 
-from benchmarks.open_rooms import packs, publish, submit
+from benchmarks.open_rooms import packs, publish, rooms, submit
 from roomkin.plugins.scorecard import reading, score
 from roomkin.plugins.scorecard.tests.rooms import CABINET, POSE, TABLE, TRUTH
 from roomkin.plugins.scorecard.truth import as_plain, read_truth
@@ -24,6 +24,7 @@ from roomkin.stages.geometry.boxes import UprightBox, distances_along
 from tests.refusals import refused
 from tests.unit.contract_files import write_files
 
+ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
@@ -145,7 +146,7 @@ def test_boxes_are_found_in_depth_alone(tmp_path: Path) -> None:
     write_json(folder / "camera.json", {"fx": 500.0, "fy": 500.0, "cx": 319.5, "cy": 239.5})
     truth = replace(TRUTH, things=[replace(CABINET, position=(1.6, 3.2, 0.45), size=(0.5, 0.8, 0.9), yaw=-np.pi / 2)])
     write_json(folder / "truth.json", as_plain(truth))
-    script = Path(__file__).parents[2] / "benchmarks/boxes_from_depth.py"
+    script = ROOT / "benchmarks/boxes_from_depth.py"
     assert "roomkin" not in script.read_text() and "stages" not in script.read_text()
     for out in ("a.json", "b.json"):
         subprocess.run([sys.executable, script, tmp_path / "rooms/toy", tmp_path / out], check=True)
@@ -154,3 +155,17 @@ def test_boxes_are_found_in_depth_alone(tmp_path: Path) -> None:
     (row,) = pd.read_csv(tmp_path / "out/things.csv").to_dict("records")
     assert row["placed"] and row["facing"] and row["carrier"], row
     assert max(abs(row["off_width_cm"]), abs(row["off_height_cm"])) < 3, row  # little of its top shows
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "docs/results/scorecard").glob("*_*.json")), ids=lambda path: path.stem)
+def test_submissions_in_the_repository_are_whole_small_and_of_rooms_that_there_are(path: Path) -> None:
+    document = json.loads(path.read_text(encoding="utf-8"))
+    half = path.stem.partition("_")[0]
+    read = reading.read_submission(path, document["rooms"])
+    assert read.unread == {} and set(document["rooms"]) <= set(rooms.names(half)) and path.stat().st_size < 1_000_000
+
+
+def test_the_manifest_names_every_room_of_the_sets_that_were_made() -> None:
+    manifest = json.loads((ROOT / "docs/results/scorecard/manifest.json").read_text(encoding="utf-8"))
+    truths = {Path(name).parent.name for name in manifest["agreed"] if name.endswith("truth.json")}
+    assert truths == {name for half in packs.HALVES for name in rooms.names(half)} and len(truths) == 71
