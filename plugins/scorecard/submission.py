@@ -40,7 +40,7 @@ class SubmittedRoom(Contract):
     frame: Literal["camera", "floor"]
     floor_from_camera: RigidTransform | None = None
     scale: Literal["metric", "free"] = "metric"
-    things: Annotated[list[SubmittedThing], Field(max_length=1000)]
+    things: Annotated[list[SubmittedThing], Field(max_length=300)]
 
     @model_validator(mode="after")
     def _check(self) -> "SubmittedRoom":
