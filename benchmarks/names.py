@@ -1,4 +1,4 @@
-"""How well outlines are named in pictures of other people's models, and how sure: beside open_rooms/kinds.yaml.
+"""How well outlines are named in pictures of other people's models, and how sure: beside plugins/scorecard/kinds.yaml.
 
 python -m benchmarks.names DIR --half work [--kept learning] [--fit]
 

@@ -19,11 +19,16 @@ COMMANDS = {
     "picture": "a picture of yours: what it shows, scenes of cousins, a page of them",
     "correct": "open the page on which a scene is put right",
     "import": "look at a folder of models of yours, and make them part of the library",
+    "score": "scenes of any method against the truth of a set of rooms",
     "demo": "a room of ours, its cousins, scenes to turn, in two minutes",
     "check": "what this machine lacks, and what mends it",
     "completion": "for the Tab key of bash and zsh",
 }
-ELSEWHERE = {"import": ["roomkin.plugins.importing", "import"], "check": ["roomkin.plugins.ops.doctor"]}
+ELSEWHERE = {
+    "import": ["roomkin.plugins.importing", "import"],
+    "check": ["roomkin.plugins.ops.doctor"],
+    "score": ["roomkin.plugins.scorecard", "score"],
+}
 
 
 def list_homes() -> dict[str, str]:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import packs, pictures
 from benchmarks.open_rooms.pairs import FOUND, overlaps, pair_pieces
+from roomkin.plugins.scorecard.truth import TrueThing
 from roomkin.stages.contracts import Objects, read_json
 from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.images import read_rgb
@@ -81,7 +82,7 @@ def draw_thing(shown: NDArray[np.bool_], cut: Cutter) -> tuple[dict[str, Any], i
     return {"outline": outline}, len(outline) + 2
 
 
-def name_piece(item: Annotation, thing: pictures.TrueThing, sensible: Sequence[str]) -> tuple[str, str, Effort]:
+def name_piece(item: Annotation, thing: TrueThing, sensible: Sequence[str]) -> tuple[str, str, Effort]:
     """How a piece gets its name, the name, and the effort."""
     names = item.proposals or [item.label]
     right = [name for name in names if name.replace(" ", "_") in sensible]
@@ -94,7 +95,7 @@ def name_piece(item: Annotation, thing: pictures.TrueThing, sensible: Sequence[s
 
 
 def plan_steps(
-    things: Sequence[pictures.TrueThing],
+    things: Sequence[TrueThing],
     exact: NDArray[np.uint16],
     found: NDArray[np.uint16],
     pieces: Sequence[Annotation],

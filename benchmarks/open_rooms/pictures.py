@@ -2,7 +2,6 @@
 
 import json
 import zlib
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import crowd, packs, rooms, sensor, views
 from benchmarks.open_rooms.render import photograph
+from roomkin.plugins.scorecard.truth import Picture, TrueThing, as_plain, read_truth
 from roomkin.stages.contracts import write_atomically
 
 MIN_PIXELS, MIN_SEEN = 250, 0.15  # of a thing that a person would outline and name
@@ -21,54 +21,9 @@ MASKS = (*BY_HAND, "unaided", "corrected", ALONE)  # corrected: the unaided ones
 NO_WALLS, NO_FLOOR, ONE_WALL = 0.25, 0.12, 0.35  # how often people name no walls, no floor, all walls as one
 
 
-@dataclass(frozen=True)
-class TrueThing:
-    """A thing of a picture as it really is. `number` is its value in masks; `support`: floor, wall, or a number."""
-
-    number: int
-    name: str
-    model: str
-    pack: str
-    kind: str
-    label: str
-    doors: int
-    drawers: int
-    symmetry: str
-    position: tuple[float, float, float]  # of the box's center
-    size: tuple[float, float, float]
-    yaw: float
-    support: str
-    wall: str
-    pixels: int
-    seen: float
-    cut: bool
-    named: bool
-
-
-@dataclass(frozen=True)
-class Picture:
-    """`room.json`: the truth of a picture. `joined`: in drawn masks, the value that holds another's pixels, too."""
-
-    name: str
-    half: str
-    kind: str
-    device: str
-    focal: float
-    size: tuple[float, float]
-    world_from_camera: list[list[float]]
-    things: list[TrueThing]
-    joined: dict[str, int]
-
-    @property
-    def pose(self) -> NDArray[np.float64]:
-        """world_from_camera (4, 4)."""
-        return np.array(self.world_from_camera)
-
-
 def read(folder: Path) -> Picture:
     """The truth of the picture in a folder."""
-    entry = json.loads((folder / "room.json").read_text())
-    return Picture(**entry | {"things": [TrueThing(**thing) for thing in entry["things"]]})
+    return read_truth(folder / "room.json")
 
 
 def read_masks(folder: Path) -> NDArray[np.uint16]:
@@ -111,6 +66,10 @@ def _make(root: Path, folder: Path, half: str, models: list[packs.Model], sample
     folder.mkdir(parents=True, exist_ok=True)
     depth = sensor.sense_depth(seen, device, rng)
     _write(folder / "depth.png", np.rint(1000 * depth).astype(np.uint16))
+    for other in sensor.DEVICES:
+        own = np.random.default_rng(zlib.crc32(f"{name}/{other.name}".encode()))  # what the others draw stays as it was
+        measured = depth if other is device else sensor.sense_depth(seen, other, own)
+        _write(folder / f"depth_{other.name}.png", np.rint(1000 * measured).astype(np.uint16))
     k = views.intrinsics(device.focal)
     camera = {
         "width": views.WIDTH,
@@ -136,7 +95,7 @@ def _make(root: Path, folder: Path, half: str, models: list[packs.Model], sample
     picture = photograph(room, half, root / "packs", pose, device.focal, samples, seed)
     _write(folder / "rgb.png", np.array(picture)[..., ::-1])
     with write_atomically(folder / "room.json") as path:
-        path.write_text(json.dumps(asdict(truth), indent=1))
+        path.write_text(json.dumps(as_plain(truth), indent=1))
 
 
 def _write(path: Path, pixels: NDArray[Any]) -> None:

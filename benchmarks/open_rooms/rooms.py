@@ -78,10 +78,11 @@ def plans() -> dict[str, dict[str, Any]]:
 
 def names(half: str, learning: int = 0) -> list[str]:
     """All rooms of a half; or as many of each kind, to learn from."""
-    numbers = {kind: range(LEARNING, LEARNING + learning) for kind in plans()}
+    drawn = {kind: plan["draws"][half] for kind, plan in plans().items() if half in plan["draws"]}
+    numbers = {kind: range(LEARNING, LEARNING + learning) for kind in drawn}
     numbers[CROWD] = range(LEARNING, LEARNING + CROWDS * learning)
     if not learning:
-        numbers = {kind: range(1, plan["draws"][half] + 1) for kind, plan in plans().items()}
+        numbers = {kind: range(1, draws + 1) for kind, draws in drawn.items()}
     return [f"{half.replace('_', '-')}_{kind}_{number}" for kind, own in numbers.items() for number in own]
 
 

@@ -5,38 +5,38 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from benchmarks.open_rooms import packs, pictures
 from benchmarks.open_rooms.by_clicks import find_things, list_steps
 from benchmarks.open_rooms.shapes import ROOT, find_model, measure_chamfer
 from roomkin.plugins.report.doubts import collect_doubts
+from roomkin.plugins.scorecard.measures import (
+    MAX_BEHIND,
+    PLACE,
+    YAW,
+    is_size_right,
+    knows_hinges,
+    measure_overreach,
+    measure_turn,
+    size_errors,
+)
+from roomkin.plugins.scorecard.truth import Picture, TrueThing
 from roomkin.stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from roomkin.stages.contracts.categories import find_usual_size
 from roomkin.stages.contracts.doubt import Doubt
-from roomkin.stages.contracts.generated import (
-    RIGHT_MIN,
-    RIGHT_SHARE,
-    PlacedObject,
-    measure_place_sureness,
-    measure_sureness,
-)
+from roomkin.stages.contracts.generated import PlacedObject, measure_place_sureness, measure_sureness
 from roomkin.stages.contracts.library import Asset
 from roomkin.stages.contracts.library_folder import AssetFolders
-from roomkin.stages.contracts.parts import HingeSide
 from roomkin.stages.evaluation.scoring import box_in_world, world_from_floor
 from roomkin.stages.generation.settling import OVERLAP
-from roomkin.stages.geometry.boxes import UprightBox, axis_aligned_iou, corners, oriented_iou
-from roomkin.stages.geometry.frames import angle_difference, wrap_angle
+from roomkin.stages.geometry.boxes import UprightBox, axis_aligned_iou, oriented_iou
 
 JUDGES = ("geometry", "hog", "no-image")
-PLACE = 0.05  # metres between true and found center
-YAW = np.deg2rad(15)
-FLOATS, MAX_BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest of its category
+FLOATS, TOO_LARGE = 0.03, 2.0  # metres, times the largest of its category
 
 
 @dataclass(frozen=True)
@@ -85,31 +85,6 @@ class Row:
     oriented_iou: float | None = None
 
 
-def size_errors(true: pictures.TrueThing, size: tuple[float, float, float], yaw: float) -> NDArray[np.float64]:
-    """Placed less true extents (3,), metres, along the true thing's axes as nearly as a box can tell."""
-    ours, truth = np.array(size), np.array(true.size)
-    if true.symmetry == "full":
-        return np.array([*(np.sort(ours[:2]) - np.sort(truth[:2])), ours[2] - truth[2]])
-    quarters = round(wrap_angle(yaw - true.yaw) / (np.pi / 2))
-    return np.asarray((ours[[1, 0, 2]] if quarters % 2 else ours) - truth)
-
-
-def is_size_right(errors: NDArray[np.float64], truth: tuple[float, float, float]) -> bool:
-    """Whether every extent is within 10 % or 3 cm."""
-    return bool((np.abs(errors) <= np.maximum(RIGHT_SHARE * np.array(truth), RIGHT_MIN)).all())
-
-
-def measure_overreach(box: UprightBox, room: tuple[float, float]) -> float:
-    """How far a box reaches behind the walls of a room, metres."""
-    points = corners(box)[:, :2]
-    return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
-
-
-def knows_hinges(opens: tuple[str, ...]) -> bool:
-    """Whether something opens, and how is known."""
-    return bool(opens) and set(opens) <= set(get_args(HingeSide))
-
-
 def hinges_alike(opens: tuple[str, ...], asset: Asset) -> bool | None:
     """Whether as many doors hang on each side and as many drawers slide; None: nothing opens, or how is not known."""
     if not knows_hinges(opens):
@@ -125,14 +100,12 @@ def handles_alike(handle: str, asset: Asset) -> bool | None:
     return bool(kinds) and kinds.most_common(1)[0][0] == handle
 
 
-def find_true_carrier(true: pictures.TrueThing, ids: dict[int, str]) -> str | None:
+def find_true_carrier(true: TrueThing, ids: dict[int, str]) -> str | None:
     """What carries a thing, as a scene says it; None: that has no name in these masks; empty: it was not found."""
     return true.support if true.support in ("floor", "wall") else ids.get(int(true.support))
 
 
-def count_missing(
-    thing: pictures.TrueThing, opens: tuple[str, ...], handle: str, carrier: str | None
-) -> dict[str, bool]:
+def count_missing(thing: TrueThing, opens: tuple[str, ...], handle: str, carrier: str | None) -> dict[str, bool]:
     """What is wrong about a thing that no scene has, of what is not asked of every thing."""
     asked = {
         "yaw": thing.symmetry != "full",
@@ -153,11 +126,11 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
     scenes = sorted((out / judge).glob("scene_*.json"))
     base = {"half": truth.half, "masks": masks, "judge": judge, "picture": truth.name}
 
-    def make_row(thing: pictures.TrueThing, rank: int, status: str, said: dict[str, Any]) -> Row:
+    def make_row(thing: TrueThing, rank: int, status: str, said: dict[str, Any]) -> Row:
         return Row(**base, rank=rank, number=thing.number, label=thing.label, kind=thing.kind, model=thing.model,
                    seen=thing.seen, cut=thing.cut, status=status, **said)  # fmt: skip
 
-    def make_missing(thing: pictures.TrueThing, rank: int, status: str, ids: dict[int, str]) -> Row:
+    def make_missing(thing: TrueThing, rank: int, status: str, ids: dict[int, str]) -> Row:
         model = find_model(thing.model, truth.half)
         said = count_missing(thing, model.opens, model.handle, find_true_carrier(thing, ids))
         return make_row(thing, rank, status, said)
@@ -189,7 +162,7 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
             yield make_row(thing, scene.rank, item.status, said)
 
 
-def find_scale(truth: pictures.Picture, scene: GeneratedScene, ids: dict[int, str]) -> float:
+def find_scale(truth: Picture, scene: GeneratedScene, ids: dict[int, str]) -> float:
     """True over found distances from the camera, the median of what is placed: a picture alone tells no scale."""
     placed = {item.id: item for item in scene.objects if item.status == "ok"}
     world, eye = world_from_floor(truth.pose, scene.floor_from_camera), truth.pose[:3, 3]
@@ -203,8 +176,8 @@ def find_scale(truth: pictures.Picture, scene: GeneratedScene, ids: dict[int, st
 
 
 def _measure_thing(
-    truth: pictures.Picture,
-    thing: pictures.TrueThing,
+    truth: Picture,
+    thing: TrueThing,
     item: PlacedObject,
     scene: GeneratedScene,
     objects: Objects,
@@ -219,7 +192,7 @@ def _measure_thing(
     truth_box = UprightBox(thing.position, thing.size, thing.yaw)
     errors = size_errors(thing, tuple(scale * np.array(item.size)), box.yaw)
     off = float(np.linalg.norm(np.array(box.center) - np.array(thing.position)))
-    turn = None if thing.symmetry == "full" else angle_difference(box.yaw, thing.yaw, thing.symmetry)
+    turn = measure_turn(thing, box.yaw)
     carrier = find_true_carrier(thing, ids)
     asset = folders.asset(item.asset)
     model = find_model(thing.model, truth.half)

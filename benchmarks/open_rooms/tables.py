@@ -7,17 +7,16 @@ import pandas as pd
 
 from benchmarks.open_rooms.pictures import MASKS
 from benchmarks.open_rooms.sureness import JUDGED, judge_sureness
-from roomkin.stages.config.tables import TablesConfig
-from roomkin.stages.tables.intervals import pair_sides, quantiles, rate_interval, rate_of, resample_rates, side_of
+from roomkin.plugins.scorecard.measures import FACING
+from roomkin.plugins.scorecard.shares import OPTIONS, share, side_of_things, table
+from roomkin.stages.tables.intervals import pair_sides, quantiles, rate_of, resample_rates
 
 MEASURES = ["sensible", "size", "place", "yaw", "facing", "carrier", "stable", "panels", "hinges", "handles"]
-FACING = 45  # degrees, modulo the thing's symmetry, within which a thing faces where it should
 WHOLE = 0.5  # share of a thing that shows, from which on it counts as seen whole
 OFF = ["depth", "width", "height", "place"]
 OVERLAP = ["iou", "oriented_iou"]
 FAULTS = ["held", "floats", "behind", "too_large", "carrier_wrong", "collides"]
 EFFORT = ["clicks", "words", "clicks_by_hand", "words_by_hand"]
-OPTIONS = TablesConfig()
 SUMMARY = ["sensible", "size", "place", "facing", "carrier", "stable"]
 HALVES = {
     "work": "to work on",
@@ -34,40 +33,9 @@ GIVEN = {
 }
 
 
-def _side(rows: pd.DataFrame, measure: str) -> pd.DataFrame:
-    """Rows as the project's bootstrap takes them: a family per model, a place per object."""
-    known = rows.dropna(subset=[measure])
-    table = pd.DataFrame(
-        {
-            "run": "all",
-            "seed": 0,
-            "checkpoint": "all",
-            "family": known["model"],
-            "asset": known["model"],
-            "initial_state": known["picture"] + "/" + known["number"].astype(str),
-            "success": known[measure].astype(float),
-        }
-    )
-    return side_of(table)
-
-
-def share(rows: pd.DataFrame, measure: str) -> str:
-    """Share of rows that are right, in percent, with its interval; every model counts alike."""
-    side = _side(rows, measure)
-    if side.empty:
-        return ""
-    low, high = rate_interval(side, OPTIONS)
-    return f"{100 * rate_of(side):.0f} [{100 * low:.0f}, {100 * high:.0f}]"
-
-
 def _summarise_plainly(rows: pd.DataFrame, measure: str) -> str:
     known = rows[measure].dropna().astype(float)
     return f"{int(known.sum())}/{len(known)}" if len(known) else ""
-
-
-def table(heading: list[str], lines: Iterator[list[str]]) -> str:
-    """A table in Markdown."""
-    return "\n".join(["| " + " | ".join(line) + " |" for line in [heading, ["---"] * len(heading), *lines]]) + "\n"
 
 
 def fold(text: str, summary: str) -> str:
@@ -99,7 +67,9 @@ def _faults(rows: pd.DataFrame) -> list[str]:
 def compare_with_no_image(rows: pd.DataFrame, judge: str) -> str:
     """Chamfer distance of `no-image` less that of a judge, rank 1, over objects that both placed; in thousandths."""
     first = rows[rows["rank"] == 1]
-    ours, theirs = pair_sides(*(_side(first[first["judge"] == name], "chamfer") for name in ("no-image", judge)))
+    ours, theirs = pair_sides(
+        *(side_of_things(first[first["judge"] == name], "chamfer") for name in ("no-image", judge))
+    )
     if ours.empty:
         return ""
     ((a, b),) = resample_rates([[ours, theirs]], OPTIONS)

@@ -101,7 +101,9 @@ rule open_rooms:
             "shapes.py",
             "tables.py",
             "intro.md",
-            "kinds.yaml",
+            "../../plugins/scorecard/kinds.yaml",
+            "../../plugins/scorecard/measures.py",
+            "../../plugins/scorecard/shares.py",
             "models.csv",
         ),
     shell:

@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.open_rooms import by_clicks, pairs, pictures, tables
+from benchmarks.open_rooms import by_clicks, pairs, tables
 from benchmarks.open_rooms.by_clicks import BOX, DELETE, Effort
+from roomkin.plugins.scorecard.truth import TrueThing
 from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.contracts.hand import Corrections
 from roomkin.stages.contracts.scenes import Annotation
@@ -18,8 +19,8 @@ LEFT, RIGHT, BOTH = np.s_[20:60, 10:50], np.s_[20:60, 60:100], np.s_[20:60, 10:1
 SHAPE = (80, 120)
 
 
-def thing(number: int = 1, kind: str = "desk", **said: Any) -> pictures.TrueThing:
-    return pictures.TrueThing(**(vars(TRUE) | {"number": number, "kind": kind, "label": f"my {kind}"} | said))
+def thing(number: int = 1, kind: str = "desk", **said: Any) -> TrueThing:
+    return TrueThing(**(vars(TRUE) | {"number": number, "kind": kind, "label": f"my {kind}"} | said))
 
 
 def piece(value: int, *proposals: str, sure: bool = False) -> Annotation:
@@ -42,7 +43,7 @@ def cut_box(box: tuple[int, int, int, int]) -> NDArray[np.bool_]:
     return shown
 
 
-def plan(things: list[pictures.TrueThing], exact: Any, found: Any, *pieces: Annotation) -> list[by_clicks.Step]:
+def plan(things: list[TrueThing], exact: Any, found: Any, *pieces: Annotation) -> list[by_clicks.Step]:
     placed = {item.mask for item in pieces}
     steps = by_clicks.plan_steps(things, exact, found, pieces, placed, cut_box)
     told = Corrections(objects=[step.correction for step in steps if step.correction is not None])

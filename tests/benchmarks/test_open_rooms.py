@@ -30,6 +30,8 @@ from benchmarks.open_rooms import (
     views,
 )
 from roomkin.plugins.furniture.catalogue import CATEGORIES
+from roomkin.plugins.scorecard import measures
+from roomkin.plugins.scorecard.truth import TrueThing
 from roomkin.stages.config.reads import stores
 from roomkin.stages.contracts import Annotations, InputError, read_json, write_json
 from roomkin.stages.contracts.library import FrontPanel, Joint
@@ -185,7 +187,7 @@ def test_drawn_outlines_are_some_pixels_off() -> None:
     assert any(sensor.draw_outlines(exact, {8, 9}, np.random.default_rng(seed))[1] for seed in range(12))
 
 
-TRUE = pictures.TrueThing(
+TRUE = TrueThing(
     number=1, name="desk", model="m", pack="p", kind="desk", label="desk", doors=0, drawers=0, symmetry="none",
     position=(1.0, 2.0, 0.4), size=(0.6, 1.2, 0.8), yaw=0.1, support="floor", wall="", pixels=999, seen=1.0, cut=False,
     named=True,
@@ -193,18 +195,18 @@ TRUE = pictures.TrueThing(
 
 
 def test_size_is_compared_along_the_true_axes() -> None:
-    assert score.size_errors(TRUE, (0.6, 1.2, 0.8), 0.1) == pytest.approx([0, 0, 0])
-    assert score.size_errors(TRUE, (1.2, 0.6, 0.8), 0.1 + np.pi / 2) == pytest.approx([0, 0, 0])
-    assert score.size_errors(TRUE, (1.2, 0.6, 0.9), 0.1) == pytest.approx([0.6, -0.6, 0.1])
+    assert measures.size_errors(TRUE, (0.6, 1.2, 0.8), 0.1) == pytest.approx([0, 0, 0])
+    assert measures.size_errors(TRUE, (1.2, 0.6, 0.8), 0.1 + np.pi / 2) == pytest.approx([0, 0, 0])
+    assert measures.size_errors(TRUE, (1.2, 0.6, 0.9), 0.1) == pytest.approx([0.6, -0.6, 0.1])
     round_ = replace(TRUE, symmetry="full", size=(0.2, 0.3, 0.4))
-    assert score.size_errors(round_, (0.3, 0.2, 0.4), 0.0) == pytest.approx([0, 0, 0])
+    assert measures.size_errors(round_, (0.3, 0.2, 0.4), 0.0) == pytest.approx([0, 0, 0])
 
 
 def test_size_is_right_within_a_tenth_or_three_centimetres() -> None:
-    assert score.is_size_right(np.array([0.03, -0.121, 0.08]), TRUE.size) is False
-    assert score.is_size_right(np.array([0.03, -0.119, 0.079]), TRUE.size) is True
-    assert score.is_size_right(np.array([0.0, 0.0, 0.081]), TRUE.size) is False
-    assert score.is_size_right(np.array([0.029, -0.029, 0.029]), (0.05, 0.05, 0.05)) is True
+    assert measures.is_size_right(np.array([0.03, -0.121, 0.08]), TRUE.size) is False
+    assert measures.is_size_right(np.array([0.03, -0.119, 0.079]), TRUE.size) is True
+    assert measures.is_size_right(np.array([0.0, 0.0, 0.081]), TRUE.size) is False
+    assert measures.is_size_right(np.array([0.029, -0.029, 0.029]), (0.05, 0.05, 0.05)) is True
 
 
 def test_shapes_alike_are_at_no_distance() -> None:
@@ -216,9 +218,9 @@ def test_shapes_alike_are_at_no_distance() -> None:
 
 def test_behind_a_wall_is_measured_from_the_room() -> None:
     room = (4.0, 3.0)
-    assert score.measure_overreach(UprightBox((2, 1.5, 0.5), (1, 1, 1), 0.3), room) == 0
-    assert score.measure_overreach(UprightBox((2, 3.0, 0.5), (1, 1, 1), 0.0), room) == pytest.approx(0.5)
-    assert score.measure_overreach(UprightBox((0.1, 1.5, 0.5), (1, 1, 1), 0.0), room) == pytest.approx(0.4)
+    assert measures.measure_overreach(UprightBox((2, 1.5, 0.5), (1, 1, 1), 0.3), room) == 0
+    assert measures.measure_overreach(UprightBox((2, 3.0, 0.5), (1, 1, 1), 0.0), room) == pytest.approx(0.5)
+    assert measures.measure_overreach(UprightBox((0.1, 1.5, 0.5), (1, 1, 1), 0.0), room) == pytest.approx(0.4)
 
 
 def test_what_carries_a_thing_must_have_a_name() -> None:
@@ -454,6 +456,8 @@ def test_a_half_has_the_rooms_that_the_plans_say() -> None:
     assert len(rooms.names("work")) == len(rooms.names("held_out")) == 15
     assert len(rooms.names("third")) == 24 and len(set(rooms.names("third"))) == 24
     assert len(rooms.names("fourth")) == 17 and "fourth_kitchen_3" in rooms.names("fourth")
+    assert {name.split("_")[1] for name in rooms.names("fifth")} == {"bedroom", "kitchen", "bath"}
+    assert not any("bath" in name for half in packs.HALVES for name in [*rooms.names(half), *rooms.names(half, 1)])
 
 
 def write_blend(path: Path, moved: float) -> None:

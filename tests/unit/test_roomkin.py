@@ -19,7 +19,7 @@ from tests.packages import needs
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT, put
 
-pytestmark = needs("annotator", "importing", "ops")
+pytestmark = needs("annotator", "importing", "ops", "scorecard")
 
 
 def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: str) -> tuple[Any, str, str]:
@@ -39,6 +39,7 @@ def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *wo
         (["correct"], "--choose"),
         (["import"], "usage: roomkin importing import"),
         (["demo"], "--cores"),
+        (["score"], "usage: roomkin scorecard score"),
         (["check"], "--mend"),
         (["completion"], "files"),
         (["matching"], "usage: roomkin matching COMMAND"),

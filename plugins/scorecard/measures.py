@@ -1,0 +1,47 @@
+"""What is right about a thing: one definition for the published tables and for submissions."""
+
+from typing import get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roomkin.plugins.scorecard.truth import TrueThing
+from roomkin.stages.contracts.generated import RIGHT_MIN, RIGHT_SHARE
+from roomkin.stages.contracts.parts import HingeSide
+from roomkin.stages.geometry.boxes import UprightBox, corners
+from roomkin.stages.geometry.frames import angle_difference, wrap_angle
+
+PLACE = 0.05  # metres between true and found center
+YAW = np.deg2rad(15)
+FACING = 45  # degrees, modulo the thing's symmetry, within which a thing faces where it should
+MAX_BEHIND = 0.10  # metres behind a wall
+
+
+def size_errors(true: TrueThing, size: tuple[float, float, float], yaw: float) -> NDArray[np.float64]:
+    """Placed less true extents (3,), metres, along the true thing's axes as nearly as a box can tell."""
+    ours, truth = np.array(size), np.array(true.size)
+    if true.symmetry == "full":
+        return np.array([*(np.sort(ours[:2]) - np.sort(truth[:2])), ours[2] - truth[2]])
+    quarters = round(wrap_angle(yaw - true.yaw) / (np.pi / 2))
+    return np.asarray((ours[[1, 0, 2]] if quarters % 2 else ours) - truth)
+
+
+def is_size_right(errors: NDArray[np.float64], truth: tuple[float, float, float]) -> bool:
+    """Whether every extent is within 10 % or 3 cm."""
+    return bool((np.abs(errors) <= np.maximum(RIGHT_SHARE * np.array(truth), RIGHT_MIN)).all())
+
+
+def measure_turn(true: TrueThing, yaw: float) -> float | None:
+    """Radians between a yaw and the true one; None: the thing is round, so that none is asked."""
+    return None if true.symmetry == "full" else angle_difference(yaw, true.yaw, true.symmetry)
+
+
+def measure_overreach(box: UprightBox, room: tuple[float, float]) -> float:
+    """How far a box reaches behind the walls of a room, metres."""
+    points = corners(box)[:, :2]
+    return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
+
+
+def knows_hinges(opens: tuple[str, ...]) -> bool:
+    """Whether something opens, and how is known."""
+    return bool(opens) and set(opens) <= set(get_args(HingeSide))

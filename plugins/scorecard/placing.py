@@ -1,0 +1,81 @@
+"""Submitted things in the world of the truth: by the frame that they are in, to scale or up to one factor."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roomkin.plugins.scorecard.pairing import pair_things
+from roomkin.plugins.scorecard.submission import SubmittedRoom
+from roomkin.plugins.scorecard.truth import Picture, TrueThing
+from roomkin.stages.geometry.boxes import UprightBox
+from roomkin.stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_of_matrix
+
+ROUNDS = 3  # of finding one scale and pairing by it
+
+
+@dataclass(frozen=True)
+class PlacedRoom:
+    """Boxes and handles (N, 3) of a submission in the world, and the place of each true thing's, by number."""
+
+    boxes: list[UprightBox]
+    handles: list[NDArray[np.float64]]
+    pairs: Mapping[int, int]
+    scale: float
+
+
+def world_from(room: SubmittedRoom, truth: Picture) -> NDArray[np.float64]:
+    """Transform (4, 4) of the submission's frame to the world, through the camera."""
+    if room.floor_from_camera is None:
+        return truth.pose
+    return np.asarray(truth.pose @ invert_transform(room.floor_from_camera))
+
+
+def place_room(room: SubmittedRoom, truth: Picture, asked: Sequence[TrueThing]) -> PlacedRoom:
+    """The submission in the world, paired with the truth.
+
+    A yaw is one about the vertical of the submission's frame; a floor found a little tilted moves boxes, but does not
+    tilt them. In the camera's frame it counts from the camera's x axis, laid level.
+    """
+    transform = world_from(room, truth)
+    turn = yaw_of_matrix(transform[:3, :3])
+    boxes = [
+        UprightBox(transform_points(transform, thing.center), thing.size, wrap_angle(thing.yaw + turn))
+        for thing in room.things
+    ]
+    handles = [transform_points(transform, np.reshape(thing.handles, (-1, 3))) for thing in room.things]
+    numbers = [thing.number for thing in room.things]
+    eye, scale = truth.pose[:3, 3], 1.0
+    pairs = pair_things(asked, boxes, numbers)
+    if room.scale == "free" and boxes:
+        scale = _guess_scale(boxes, asked, eye) if not pairs or None in numbers else 1.0
+        for _ in range(ROUNDS):
+            pairs = pair_things(asked, [_resize(box, eye, scale) for box in boxes], numbers)
+            scale = find_scale(asked, boxes, pairs, eye) or scale
+        boxes = [_resize(box, eye, scale) for box in boxes]
+        handles = [eye + scale * (points - eye) for points in handles]
+        pairs = pair_things(asked, boxes, numbers)
+    return PlacedRoom(boxes, handles, pairs, scale)
+
+
+def find_scale(
+    asked: Sequence[TrueThing], boxes: Sequence[UprightBox], pairs: Mapping[int, int], eye: NDArray[np.float64]
+) -> float | None:
+    """True over found distances from the camera, the median of what is paired; None: nothing is."""
+    there = [thing for thing in asked if thing.number in pairs]
+    true = [float(np.linalg.norm(thing.position - eye)) for thing in there]
+    found = [float(np.linalg.norm(boxes[pairs[thing.number]].center - eye)) for thing in there]
+    ratios = [one / max(other, 1e-6) for one, other in zip(true, found, strict=True)]
+    return float(np.median(ratios)) if ratios else None
+
+
+def _guess_scale(boxes: Sequence[UprightBox], asked: Sequence[TrueThing], eye: NDArray[np.float64]) -> float:
+    """The ratio of median distances, before anything is paired."""
+    true = [float(np.linalg.norm(thing.position - eye)) for thing in asked] or [1.0]
+    found = [float(np.linalg.norm(box.center - eye)) for box in boxes]
+    return float(np.median(true)) / max(float(np.median(found)), 1e-6)
+
+
+def _resize(box: UprightBox, eye: NDArray[np.float64], scale: float) -> UprightBox:
+    return UprightBox(eye + scale * (box.center - eye), scale * box.size, box.yaw)

@@ -1,0 +1,43 @@
+"""A thing as points of its surface: its box along its own axes, and what of it is filled."""
+
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from roomkin.plugins.scorecard.submission import Cells
+from roomkin.stages.evaluation.scoring import DENSE, fill_cells
+from roomkin.stages.geometry.frames import make_transform, yaw_matrix
+
+Floats = NDArray[np.float64]
+THIN = 1e-3  # metres: no extent is less
+
+
+def find_yaw(rotation: Floats) -> float:
+    """The heading, radians, of a thing's front: its own x axis if its z axis is upright, as in URDF and MJCF; its own
+    z axis if y is, as in glTF.
+
+    Args:
+        rotation: (3, 3) of its own axes in a frame with z up.
+    """
+    upright = int(np.argmax(np.abs(rotation[2])))
+    front = rotation[:, 2] if upright == 1 else rotation[:, 0] if upright == 2 else rotation[:, 1]
+    return float(np.arctan2(front[1], front[0]))
+
+
+def describe_solid(name: str, meshes: list[trimesh.Trimesh], rotation: Floats) -> tuple[dict[str, Any], Cells]:
+    """A thing for a submission, and its filled cells.
+
+    Args:
+        meshes: its parts, in a frame with z up, metres.
+        rotation: (3, 3) of its own axes there.
+    """
+    yaw = find_yaw(rotation)
+    turn = yaw_matrix(yaw)
+    whole = trimesh.util.concatenate(meshes).apply_transform(make_transform(turn.T, np.zeros(3)))
+    low, high = whole.bounds
+    points = np.asarray(trimesh.sample.sample_surface(whole, DENSE, seed=0)[0])
+    size = np.maximum(high - low, THIN)
+    thing = {"name": name, "center": (turn @ ((low + high) / 2)).tolist(), "size": size.tolist(), "yaw": yaw}
+    return thing, fill_cells((points - low) / size)
