@@ -36,7 +36,7 @@ NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']|<uri>\s*([^<]+?)\s*
 OWN_NAME = re.compile(rb"""<(?:robot|mujoco)\s[^>]*?\b(?:name|model)\s*=\s*["']([^"']*)""")
 
 
-class FoundModel(NamedTuple):
+class Given(NamedTuple):
     """A model: its file, the folder of the user's that it lies in, its category and its name, in words."""
 
     path: Path
@@ -45,7 +45,7 @@ class FoundModel(NamedTuple):
     name: str
 
 
-def discover(folder: Path, kinds: Sequence[str]) -> list[FoundModel]:
+def discover(folder: Path, kinds: Sequence[str]) -> list[Given]:
     """The models below a folder, sorted; looked for in a process of its own, as files there are read for it.
 
     Layouts: <category>/<model>.<kind>; <category>/<model>/..., of which the files of the first kind there count;
@@ -63,20 +63,18 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[FoundModel]:
     found, lines = json.loads(run_in_fork(folder, lambda: json.dumps(_discover(folder, kinds), default=str)))
     for line in lines:
         print(escape_control(line), file=sys.stderr)
-    return [FoundModel(Path(path), Path(within), category, name) for path, within, category, name in found]
+    return [Given(Path(path), Path(within), category, name) for path, within, category, name in found]
 
 
-def describe_single_file(path: Path) -> FoundModel:
+def describe_single_file(path: Path) -> Given:
     """A model file that is given by itself."""
     if path.name not in NUMBERED:
-        return FoundModel(path, path.parent, _category_of(path, path.parent) or strip_name(path.stem), path.stem)
+        return Given(path, path.parent, _category_of(path, path.parent) or strip_name(path.stem), path.stem)
     folder = path.parent
-    return FoundModel(
-        path, folder, read_category(folder, folder) or folder.resolve().parent.name, folder.resolve().name
-    )
+    return Given(path, folder, read_category(folder, folder) or folder.resolve().parent.name, folder.resolve().name)
 
 
-def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[FoundModel], list[str]]:
+def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Given], list[str]]:
     """The models, and a line for each thing that is not one."""
     if numbered := _numbered_model(folder):
         return [describe_single_file(numbered)], []
@@ -132,37 +130,37 @@ def _explain_unusable(path: Path, folder: Path, kinds: Sequence[str]) -> str | N
     return None
 
 
-def _find_models(here: Path, folder: Path, kinds: Sequence[str]) -> Iterator[FoundModel]:
+def _find_models(here: Path, folder: Path, kinds: Sequence[str]) -> Iterator[Given]:
     """The models of a folder, or of one in it that says nothing; some may be parts of others."""
     for child in _list_usable(here, folder, kinds):
         if is_model(child, folder, kinds):
-            yield FoundModel(child, folder, _category_of(child, folder) or strip_name(child.stem), child.stem)
+            yield Given(child, folder, _category_of(child, folder) or strip_name(child.stem), child.stem)
         elif not child.is_dir():
             continue
         elif numbered := _numbered_model(child):
-            yield FoundModel(numbered, folder, read_category(child, folder) or here.name, child.name)
+            yield Given(numbered, folder, read_category(child, folder) or here.name, child.name)
         elif is_common(child.name):
             yield from _find_models(child, folder, kinds)
         else:
             yield from _find_in_category(child, folder, kinds)
 
 
-def _find_in_category(child: Path, folder: Path, kinds: Sequence[str]) -> list[FoundModel]:
+def _find_in_category(child: Path, folder: Path, kinds: Sequence[str]) -> list[Given]:
     """The models of a category's folder. If its name is none of ours, but that of a model in it is, it holds various
     things: each is then of the category that its own name says."""
     shared, own = category_in(child.name), strip_name(child.name)
-    found: list[FoundModel] = []
+    found: list[Given] = []
     for inner in _list_usable(child, folder, kinds):
         if is_model(inner, folder, kinds):
-            found.append(FoundModel(inner, folder, shared or _category_of(inner, folder) or own, inner.stem))
+            found.append(Given(inner, folder, shared or _category_of(inner, folder) or own, inner.stem))
         elif inner.is_dir() and (numbered := _numbered_model(inner)):
-            found.append(FoundModel(numbered, folder, read_category(inner, folder) or shared or own, inner.name))
+            found.append(Given(numbered, folder, read_category(inner, folder) or shared or own, inner.name))
         elif inner.is_dir():
             files = _first_kind(inner, folder, kinds)
             for path in files:
                 names = [*path.relative_to(child).parts[:-1], path.stem, _read_own_name(path, folder)]
                 category = shared or next(filter(None, map(category_in, names)), own)
-                found.append(FoundModel(path, folder, category, name_model(path, inner, len(files) == 1)))
+                found.append(Given(path, folder, category, name_model(path, inner, len(files) == 1)))
     if all(one.category == own for one in found):
         return found
     named = {one: strip_name(one.name) for one in found if one.category == own and list_plain_words(one.name)}

@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image
 from pydantic import ConfigDict, Field, TypeAdapter
 
-from roomkin.plugins.importing.discover import NUMBERED, FoundModel
+from roomkin.plugins.importing.discover import NUMBERED, Given
 from roomkin.plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
 from roomkin.plugins.importing.importers import Importer
 from roomkin.plugins.importing.importers.urdf import IMPORTER as URDF
@@ -80,7 +80,7 @@ class Examined:
         return escape_control("\n  ".join(lines))
 
 
-def read(found: FoundModel, importer: Importer, place: Path) -> Evidence:
+def read(found: Given, importer: Importer, place: Path) -> Evidence:
     """Write a model into the folder `place`, in a process of its own: as it is in its file; notes there stay.
 
     Raises:
@@ -101,7 +101,7 @@ def read(found: FoundModel, importer: Importer, place: Path) -> Evidence:
 
 
 def examine_model(
-    found: FoundModel,
+    found: Given,
     importer: Importer,
     place: Path,
     work: Path,
@@ -139,7 +139,7 @@ def examine_model(
 
 
 def _examine_model(
-    found: FoundModel, importer: Importer, place: Path, work: Path, tells: Evidence, shared: Shared
+    found: Given, importer: Importer, place: Path, work: Path, tells: Evidence, shared: Shared
 ) -> Examined:
     model, written = Examined(found.path, place), place / "model.urdf"
     try:
@@ -153,7 +153,7 @@ def _examine_model(
                 model.notes, model.because = complete_notes(file, tells, shared)
                 model.doubts += doubt_up(file, tells, shared)
                 write_json(place / NOTES, model.notes.add_checksum())
-            as_written = FoundModel(written, place.parent.parent, place.parent.name, place.name)
+            as_written = Given(written, place.parent.parent, place.parent.name, place.name)
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts
     except InputError as error:

@@ -23,7 +23,7 @@ from sapien.physx import PhysxArticulation
 from roomkin.plugins.importing.discover import (
     PACK,
     PAGE,
-    FoundModel,
+    Given,
     describe_single_file,
     discover,
     find_unread_end,
@@ -207,7 +207,7 @@ def describe_left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
         )
 
 
-def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[FoundModel]:
+def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Given]:
     """The models that are to be looked at: those of a folder, or a file.
 
     Raises:
@@ -253,6 +253,6 @@ def describe_unread(folder: Path) -> str:
     return f"files of kinds that are not read ({counts}): {mend}" if found else ""
 
 
-def places(found: Iterable[FoundModel]) -> list[str]:
+def places(found: Iterable[Given]) -> list[str]:
     """<category>/<name> of every model; names that are taken get a number."""
     return number_names([f"{snake_case(one.category)}/{snake_case(one.name)}" for one in found], [])

@@ -12,7 +12,7 @@ from typing import NamedTuple, get_args
 import numpy as np
 from pydantic import Field, ValidationError
 
-from roomkin.plugins.importing.discover import WHOLE, FoundModel, discover
+from roomkin.plugins.importing.discover import WHOLE, Given, discover
 from roomkin.plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
 from roomkin.plugins.importing.hinges import shut_where_smallest
 from roomkin.plugins.importing.importers import IMPORTERS, Axis, Importer
@@ -76,15 +76,13 @@ class ModelFile(NamedTuple):
         return self.path.parent / "asset.json"
 
 
-def named_models(
-    folders: Sequence[Path], kinds: dict[str, Importer], taken: Iterable[str] = ()
-) -> dict[str, FoundModel]:
+def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Iterable[str] = ()) -> dict[str, Given]:
     """The models of <folder>/<category>/... by what they will be called; names that are taken get a number.
 
     Raises:
         InputError: a folder is missing or empty.
     """
-    found: list[FoundModel] = []
+    found: list[Given] = []
     for folder in dict.fromkeys(folders):
         if not folder.is_dir():
             raise InputError("assets.folders", f"{folder} is not a folder.", code="E-MODELS-NONE")
@@ -100,16 +98,14 @@ def named_models(
     return dict(zip(number_names([_name(one, kinds) for one in found], taken), found, strict=True))
 
 
-def _name(found: FoundModel, kinds: dict[str, Importer]) -> str:
+def _name(found: Given, kinds: dict[str, Importer]) -> str:
     try:
         return with_notes(found, kinds[found.path.suffix.lower()]).id
     except InputError:  # the import reports it
         return snake_case(f"{found.category}_{found.name}")
 
 
-def import_models(
-    models: dict[str, FoundModel], kinds: dict[str, Importer], folder: Path
-) -> tuple[list[Asset], list[str]]:
+def import_models(models: dict[str, Given], kinds: dict[str, Importer], folder: Path) -> tuple[list[Asset], list[str]]:
     """Write an asset folder below `folder` for every model, by name; and what is left out as broken, in a line each."""
     assets, left_out, visibility = [], [], VisibilityCheck()
     for name, found in progress(models.items(), "imports", len(models)):
@@ -128,7 +124,7 @@ def import_models(
     return assets, left_out
 
 
-def _import_one(name: str, found: FoundModel, kinds: dict[str, Importer], folder: Path) -> str:
+def _import_one(name: str, found: Given, kinds: dict[str, Importer], folder: Path) -> str:
     """JSON of what is doubtful."""
     with in_one_line(found.path):
         file = with_notes(found, kinds[found.path.suffix.lower()])
@@ -155,7 +151,7 @@ def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
     return {importer.suffix or f".{shorten_name(name)}": importer for name, importer in loaded.items()}
 
 
-def with_notes(found: FoundModel, importer: Importer) -> ModelFile:
+def with_notes(found: Given, importer: Importer) -> ModelFile:
     """A model file with the notes beside it.
 
     Raises:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from roomkin.plugins.importing.discover import FoundModel, discover
+from roomkin.plugins.importing.discover import Given, discover
 from roomkin.plugins.importing.imports import by_suffix, import_models
 from roomkin.stages.config.assets import OwnOptions
 from roomkin.stages.contracts.errors import InputError
@@ -22,7 +22,7 @@ def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}"
     """
     kinds = by_suffix(read_options(OwnOptions, options).importers)
     found = {one.path.absolute(): one for one in discover(folder, list(kinds))}
-    wanted: dict[str, FoundModel] = {}
+    wanted: dict[str, Given] = {}
     for name, _, file in (model.partition("=") for model in models):
         places = [place.absolute() for place in (folder / file, Path(file))]
         if not (here := [found[place] for place in places if place in found]):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from roomkin.plugins.importing.imports import (
     IMPORTERS,
-    FoundModel,
+    Given,
     by_suffix,
     import_file,
     import_models,
@@ -27,5 +27,5 @@ def import_folder(folder: Path, models: Path, taken: Sequence[str] = ()) -> list
 
 def import_model(path: Path, folder: Path, models: Path) -> Asset:
     """One model file of a folder as an asset below `models`."""
-    found = FoundModel(path, folder, path.relative_to(folder).parts[0], path.stem)
+    found = Given(path, folder, path.relative_to(folder).parts[0], path.stem)
     return import_file(with_notes(found, by_suffix(IMPORTERS)[path.suffix.lower()]), models)[0]

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from roomkin.plugins.importing.discover import FoundModel, discover
+from roomkin.plugins.importing.discover import Given, discover
 from roomkin.plugins.importing.import_ import run
 from roomkin.plugins.importing.sandbox import snake_case
 from roomkin.plugins.importing.tests.test_fronts import box
@@ -34,7 +34,7 @@ def test_what_a_model_is_taken_for(tmp_path: Path, path: str, own: str, category
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(f'<?xml version="1.0"?><robot name="{own}">{LINK}</robot>')
     (tmp_path / "other").mkdir()
-    assert discover(tmp_path, [".urdf"]) == [FoundModel(file, tmp_path, category, name)]
+    assert discover(tmp_path, [".urdf"]) == [Given(file, tmp_path, category, name)]
 
 
 def test_what_mjcf_calls_itself(tmp_path: Path) -> None:

@@ -130,6 +130,7 @@ def test_a_kill_before_the_record_leaves_none(folder: Path, monkeypatch: pytest.
         raise KeyboardInterrupt
 
     monkeypatch.setattr(files, "record", killed)
+    monkeypatch.setattr("roomkin.stages.articulated.asset_folder.record", killed)
     with pytest.raises(KeyboardInterrupt):
         write_text(Path(TABLE), "seed\n")
     with pytest.raises(KeyboardInterrupt), atomic_folder(Path("results/exports/lerobot")) as out:
