@@ -1,9 +1,4 @@
-"""What `training` leaves: `config.json` beside the weights of a policy, read as a folder.
-
-Contract of the `training` stage: `config.json` beside the weights of a policy.
-
-The folder of a policy: config.json with the weights beside it. Needs no torch.
-"""
+"""Contract of the `training` stage: the folder of a policy, config.json with the weights beside it. Needs no torch."""
 
 import math
 from functools import partial
@@ -11,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 from pydantic import Field, RootModel, model_validator
-from safetensors import safe_open
 
 from roomkin.stages.contracts.archives import unpack
 from roomkin.stages.contracts.arrays import explain_unreadable
@@ -107,6 +101,8 @@ def check_weights(path: Path, trained: TrainedPolicy) -> Shapes:
     Raises:
         InputError: it is missing, broken, or another network's.
     """
+    from safetensors import safe_open  # the report's image reads policies' configs without it
+
     shapes: Shapes = {}
     with explain_unreadable(path, "safetensors file", AGAIN), safe_open(path, framework="np") as file:
         for name in file.keys():  # noqa: SIM118 - no mapping

@@ -66,7 +66,7 @@ def test_tests_are_found_by_imports_and_names() -> None:
     found = find_tests(ROOT)
     first = [path.name for path in found["roomkin.stages.articulated.urdf_tree"][:2]]
     assert first == ["test_articulated.py", "test_malformed_urdf.py"]
-    assert found["roomkin.stages.matching.descriptors"][0].name == "test_matching_encoders.py"
+    assert "test_matching_encoders.py" in [path.name for path in found["roomkin.stages.matching.descriptors"][:3]]
 
 
 def test_a_mutant_is_noticed_survives_or_has_no_end(repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
