@@ -19,9 +19,15 @@ SHAPES = "shapes.npz"
 
 
 def run(
-    submission: Path, /, *, rooms: str, data: Path = Path("rooms"), out: Path = Path("scorecard"),
-    against: Path | None = None, pictures: bool = True,
-) -> None:  # fmt: skip
+    submission: Path,
+    /,
+    *,
+    rooms: str,
+    data: Path = Path("rooms"),
+    out: Path = Path("scorecard"),
+    against: Path | None = None,
+    pictures: bool = True,
+) -> None:
     """Score scenes of any method, and print a line for the table of all.
 
     Args:
