@@ -22,7 +22,7 @@ HALVES = {
     "work": "to work on",
     "held_out": "looked at six times",
     "third": "looked at three times",
-    "fourth": "looked at once",
+    "fourth": "first look",
 }
 GIVEN = {
     "exact": "depth, exact masks, names",
