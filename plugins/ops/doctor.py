@@ -165,7 +165,7 @@ def check_weights() -> list[Check]:
     except ImportError:
         return [Check("packages", False, "not to be imported", needed=False)]
     section, lacking = PerceptionSection(), list_lacking()
-    found = f"no {', '.join(lacking)}: roomkin perception fetch (200 MB)"
+    found = f"no {', '.join(lacking)}: roomkin perception fetch (300 MB)"
     small = Check("weights", not lacking, found if lacking else "MobileSAM, SSD MobileNet v2, CLIP", needed=False)
     lacking = section.list_lacking()
     files = {key: Path(folder, "model.safetensors") for key, folder in section.networks().items() if key not in lacking}

@@ -27,13 +27,17 @@ ENDINGS = (".yaml", ".yml", ".json")
 
 
 def check(arguments: Sequence[str] | None = None) -> None:
-    """End with one line if a command line of Snakemake, by default this process's, names a config that is none."""
+    """End with a line if Snakemake's command line, by default this process's, names no cores or no config."""
     parser = ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="*", action="extend", default=[])
     parser.add_argument("--config", nargs="*", action="extend", default=[])
     parser.add_argument("-d", "--directory", default=".", type=Path)
+    parser.add_argument("-c", "--cores", nargs="?", default="all")
     words = parser.parse_known_args(arguments)[0]
     try:
+        if words.cores and re.fullmatch(r"-?\d+", words.cores) and int(words.cores) < 1:
+            what = "is no number of jobs: nothing would ever run."
+            raise InputError(f"--cores {words.cores}", what, "--cores 2", code="E-WORDS")
         for file in words.configfile:
             if not file.endswith(ENDINGS) and not Path(file).exists():
                 what = "is no config file; --configfile takes every word behind it."

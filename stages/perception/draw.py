@@ -1,5 +1,6 @@
 """Command `draw`: one photograph without depth -> a drawing and an input folder, by no hand (paper 2.1)."""
 
+import shlex
 from pathlib import Path
 from typing import NamedTuple
 
@@ -87,7 +88,8 @@ def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "
             print(f"{path}: drawn by a person: kept; delete it to begin anew")
     written = write_folder(out, photo.rgb, project, solved, note=note)
     print("".join(f"{note}\n" for note in written.notes if not note.endswith(UNSURE)), end="")
-    print(f"{out}: put it right in the browser: roomkin annotator annotate {image} --out {out}")
+    line = shlex.join(["roomkin", "annotator", "annotate", str(image), "--out", str(out)])
+    print(f"{out}: put it right in the browser: {line}")
 
 
 def read_drawing(path: Path, photo: Photo) -> Project:

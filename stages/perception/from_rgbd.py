@@ -1,5 +1,6 @@
 """Command `from-rgbd`: a frame of an RGB-D camera or data set -> an input folder."""
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -67,7 +68,7 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None) -> None:
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
         print(f"{out}: no masks. Find things: roomkin perception see --picture {out} --out FOLDER")
-        print(f"Or click them: roomkin annotator annotate {out}; or give --masks")
+        print(f"Or click them: roomkin annotator annotate {shlex.quote(str(out))}; or give --masks")
         return
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")

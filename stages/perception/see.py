@@ -1,5 +1,6 @@
 """Command `see`: a picture with depth -> its things, outlined and named, as an input folder (paper A.2, first half)."""
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -74,7 +75,7 @@ def write_seen(out: Path, frame: Frame, seen: Seen) -> None:
         shown = draw_numbers(frame.rgb, [masks.values == item.mask for item in written.objects])
         cv2.imwrite(str(path), shown[..., ::-1])
     print(describe(things))
-    print(f"{out}: put names right in the browser: roomkin annotator annotate {out}")
+    print(f"{out}: put names right in the browser: roomkin annotator annotate {shlex.quote(str(out))}")
 
 
 def see(frame: Frame, options: SeeSection, model: Mapping[str, Any] | None = None, device: str = "cpu") -> Seen:

@@ -73,10 +73,19 @@ def test_a_target_that_an_option_swallowed_is_told(
     assert told.startswith("error: pages: ") and f"`{fix}`" in told
 
 
+@pytest.mark.parametrize("cores", ["0", "-1"])
+def test_a_run_of_no_jobs_is_refused(here: Path, capsys: pytest.CaptureFixture[str], cores: str) -> None:
+    with pytest.raises(SystemExit):
+        check(["all", f"--cores={cores}"])
+    assert capsys.readouterr().err.startswith(f"error: --cores {cores}: is no number of jobs")
+
+
 def test_what_may_be_said_is_no_mistake(here: Path) -> None:
     Path("mine.yaml").write_text("seed: 1")
     Path("tabs.json").write_text('{\n\t"seed": 1\n}')
     check(["all", "--configfile", "mine.yaml", "tabs.json", "--config", "image=a=b.jpg", "--cores", "2", "-n"])
+    check(["all", "-c", "-n"])
+    check(["--cores", "all"])
     check(["--configfile=mine.yaml", "pages"])
     check(["a", "--configfile=mine.yaml", "b", "--configfile", "mine.yaml", "tabs.json", "-n", "c", "-d", "here"])
     for file in [ROOT / "config.yaml", *(ROOT / "config").rglob("*.yaml")]:

@@ -167,6 +167,7 @@ def test_a_scene_is_made_again_without_a_shell(
     ],
 )
 def test_a_picture_ends_with_its_page_where_somebody_sits(
+    capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
     terminal: bool,
@@ -187,5 +188,6 @@ def test_a_picture_ends_with_its_page_where_somebody_sits(
     monkeypatch.setattr("sys.stdout.isatty", lambda: terminal, raising=False)
     after.run(Path("kitchen.png"), **given)
     assert asked == opened
+    assert ("roomkin correct kitchen" in capsys.readouterr().out) == (terminal and not browser_here)
     after.run(tmp_path, **given)  # a recording's folder
     assert asked == opened
