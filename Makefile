@@ -23,7 +23,7 @@ STUDY := -$(RUN) config/study/table3.yaml config/study/roles.yaml --
 SETS := twin cousins_8 cousins_2 cousins_4 all
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help setup site wheel demo all table3 table3-object unseen registered table2 paper folder weights picture test verify slurm test-cluster lint types config reference lock containers clean
+.PHONY: help no-picture setup site wheel demo all table3 table3-object unseen registered table2 paper folder weights picture test verify slurm test-cluster lint types config reference lock containers clean
 help: ## list the commands
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -70,8 +70,11 @@ folder:
 weights: $(STAMP) ## fetch the weights of the four networks that look at pictures, 300 MB, once; a line says if that fails
 	@$(BIN)/python -m roomkin.stages.perception fetch
 
-picture: setup ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
+picture: $(if $(RGB),setup,no-picture) ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
 	@$(BIN)/python -m roomkin picture --cores $(CORES) $(call typed,,RGB) $(call typed,--depth,DEPTH) $(call typed,--intrinsics,INTRINSICS)
+
+no-picture:
+	@echo "error: no picture is named. Fix: make picture RGB=kitchen.jpg" >&2; exit 1
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh
