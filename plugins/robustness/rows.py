@@ -5,12 +5,11 @@ from typing import Any
 
 import pandas as pd
 
-from roomkin.stages.tables.table2 import COUNTS, first_rank, judge
+from roomkin.stages.tables.table2 import AFFORDANCES, COUNTS, first_rank, judge
 from roomkin.stages.tables.table2 import METRICS as SCENE_METRICS
 
 METRICS = [name for name in SCENE_METRICS if name != "l2_cm"]
 SHAPES = ["chamfer", "shape_iou"]
-AFFORDANCES = ["panels_correct", "handle_correct", "hinge_correct"]
 PHYSICS = ["fallen", "shift_cm", "largest_shift_cm", "penetration_cm"]
 MEASURES = [*COUNTS, "l2_cm", "worst_room_l2_cm", *METRICS, *PHYSICS, *SHAPES, *AFFORDANCES]
 MOMENTS = [f"{name}_{moment}" for name in MEASURES for moment in ("mean", "std")]

@@ -5,13 +5,13 @@ from typing import Any
 
 import pandas as pd
 
-from roomkin.plugins.robustness.rows import AFFORDANCES, build
+from roomkin.plugins.robustness.rows import build
 from roomkin.stages.contracts.policies import SceneScore
 from roomkin.stages.tables.markup import Table, read_notes
 from roomkin.stages.tables.order import title
 from roomkin.stages.tables.rows import ONE_SCENE, read_rows, records
 from roomkin.stages.tables.scene_tables import add_given, digits
-from roomkin.stages.tables.table2 import COUNTS
+from roomkin.stages.tables.table2 import AFFORDANCES, COUNTS
 from roomkin.stages.tables.text import NOT_RUN, NOTHING, cell, spread
 from roomkin.stages.tables.writing import write
 

@@ -9,7 +9,7 @@ from roomkin.stages.contracts.cousins import NO_MODEL
 from roomkin.stages.tables.markup import Table, read_notes
 from roomkin.stages.tables.order import NO_IMAGE, VARIANTS, title
 from roomkin.stages.tables.rows import records
-from roomkin.stages.tables.table2 import COUNTS, METRICS
+from roomkin.stages.tables.table2 import AFFORDANCES, COUNTS, METRICS
 from roomkin.stages.tables.text import NOT_RUN, NOTHING, cell, number, spread
 
 # Decimals of a measure by its unit.
@@ -47,7 +47,11 @@ def _scores(row: dict[str, Any]) -> list[str]:
         paper = [row.get(f"published_{metric}_{moment}") for moment in ("mean", "std")]
         interval = f"[{', '.join(ends)}]" if ran and all(ends) else ""
         cells.append(cell(value, interval, spread(paper[0], paper[1], DIGITS["iou"])))
-    return cells
+    if not ran:
+        return [*cells, "", ""]
+    opens = ", ".join(str(row[name]) for name in AFFORDANCES) if row["n_articulated"] else NOTHING
+    shape = spread(row["shape_iou_mean"], row["shape_iou_std"], DIGITS["iou"]) or NOTHING
+    return [*cells, shape, cell(opens, f"of {row['n_articulated']}")]
 
 
 def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
@@ -60,7 +64,7 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         name="table2",
         caption="Table 2: scene reconstruction in the sim-to-sim setting, scenes of nearest cousins.",
         columns=["Scene", "Variant", "Judge", "Scale (m)", "Objects", "Category", "Model", "L2 (cm)", "Ori. (rad)",
-                 "Ori., paper's count", "Box IoU", "Oriented IoU"],
+                 "Ori., paper's count", "Box IoU", "Oriented IoU", "Shape IoU", "Panels, handles, hinges"],
         rows=rows,
         headers=3,
         notes=[*read_notes("table2", confidence=format_confidence(options), variants=VARIANTS), *add_given(table)],

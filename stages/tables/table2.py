@@ -13,13 +13,15 @@ from roomkin.stages.tables.rows import records
 METRICS = ["l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou"]
 MEASURES = [*METRICS, "chamfer", "shape_iou", "shift_cm", "penetration_cm"]
 COUNTS = ["category_correct", "model_correct"]
+AFFORDANCES = ["panels_correct", "handle_correct", "hinge_correct"]  # of placed objects whose true model opens
 MOMENTS = [f"{metric}_{moment}" for metric in METRICS for moment in ("mean", "std")]
 PUBLISHED_MOMENTS = [name for name in MOMENTS if not name.startswith("orientation_rad")]
 COLUMNS = ["scene", "scale_m", "variant", "judge", "n_objects", *COUNTS, *MOMENTS]
 INTERVALS = ["l2_cm_low", "l2_cm_high", "iou_low", "iou_high"]
 PUBLISHED = [f"published_{name}" for name in ["n_objects", *COUNTS, *PUBLISHED_MOMENTS]]
 ORIENTED = ["n_oriented", "n_oriented_paper"]
-ALL_COLUMNS = [*COLUMNS, *INTERVALS, "n_scenes", "n_placed", *ORIENTED, "n_stable", *PUBLISHED, "status"]
+COUSINS = ["shape_iou_mean", "shape_iou_std", "n_shapes", *AFFORDANCES, "n_articulated"]  # what a cousin is for
+ALL_COLUMNS = [*COLUMNS, *INTERVALS, *COUSINS, "n_scenes", "n_placed", *ORIENTED, "n_stable", *PUBLISHED, "status"]
 TOTAL = "total"
 
 
@@ -33,9 +35,12 @@ def _measure_scores(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
     }
     for name, metric in zip(["n_placed", *ORIENTED], METRICS, strict=False):
         cell[name] = scores[metric].count()
+    cell |= {"n_shapes": scores["shape_iou"].count(), "n_articulated": scores["panels_correct"].count()}
     for name in COUNTS:
         cell[name] = scores[name].sum()
-    for metric in METRICS:
+    for name in AFFORDANCES:
+        cell[name] = scores[name].eq(True).sum()
+    for metric in [*METRICS, "shape_iou"]:
         cell[f"{metric}_mean"], cell[f"{metric}_std"] = scores[metric].mean(), scores[metric].std()
     for metric, highest in (("l2_cm", np.inf), ("iou", 1.0)):
         low, high = np.clip(t_interval(scores[metric], confidence), 0.0, highest)  # no distance is negative
@@ -118,5 +123,6 @@ def build(scores: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) 
             pooled = _measure_scores(scores[scores["variant"] == variant], options.confidence)
             rows.append({"scene": TOTAL, "variant": variant} | pooled | _published_total(ran))
     table = pd.DataFrame(rows, columns=ALL_COLUMNS)
-    whole = [name for name in ALL_COLUMNS if name.startswith("n_") or name.removeprefix("published_") in COUNTS]
+    counts = [*COUNTS, *AFFORDANCES]
+    whole = [name for name in ALL_COLUMNS if name.startswith("n_") or name.removeprefix("published_") in counts]
     return table.astype(dict.fromkeys([*whole, "published_n_objects"], "Int64"))

@@ -116,6 +116,20 @@ def test_table2_counts_orientation_twice_modulo_the_period_and_as_the_paper() ->
     assert row["published_orientation_paper_rad_mean"] == pytest.approx(0.07)
 
 
+def test_table2_counts_what_a_cousin_is_for() -> None:
+    opens = {"panels_correct": True, "handle_correct": False, "hinge_correct": True}
+    scores = [
+        score(number=1, shape_iou=0.8, **opens),
+        score(number=2, shape_iou=0.6, **opens | {"hinge_correct": False}),
+        score(number=3, shape_iou=None),
+    ]
+    table = scene_cells(scores)
+    row = cell(table, scene="room_1", variant="b")
+    assert [row[name] for name in table2.COUSINS] == [pytest.approx(0.7), pytest.approx(0.02**0.5), 2, 2, 0, 1, 2]
+    shown = scene_tables.scenes_table(table, OPTIONS)
+    assert next(each for each in shown.rows if each[1] == "(b)")[-2:] == ["0.70 ± 0.14", "2, 0, 1\nof 2"]
+
+
 def test_table2_total_pools_objects_and_compares_with_the_same_scenes() -> None:
     rows = [score("room_1", n, l2_cm=1) for n in (1, 2, 3)] + [score("room_2", 1, l2_cm=5)]
     row = cell(scene_cells(rows), scene="total")
