@@ -6,6 +6,7 @@ of still fewer triangles.
 The stock Panda for films, with a fifth of its triangles: software rendering is bound by vertices.
 """
 
+import hashlib
 import shutil
 import tempfile
 import xml.etree.ElementTree as ElementTree
@@ -41,8 +42,9 @@ VERSION = 1  # of what is kept on a machine between runs; to be raised with any 
 
 @cache
 def film_urdf() -> Path:
-    """Its URDF; it is made once on a machine."""
-    folder = cache_folder() / f"panda-film-{VERSION}"
+    """Its URDF; it is made once for an environment, whose meshes it names."""
+    known = f"{VERSION} {PANDA} {PANDA.read_text(encoding='utf-8')}"
+    folder = cache_folder() / f"panda-film-{hashlib.sha256(known.encode()).hexdigest()[:16]}"
     if not folder.is_dir():
         made = Path(tempfile.mkdtemp(dir=cache_folder()))
         tree = ElementTree.parse(PANDA)
