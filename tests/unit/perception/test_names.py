@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks.names import fit, likelihood
 from roomkin.plugins.furniture.catalogue import CATEGORIES
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.categories import known_categories
@@ -158,18 +157,6 @@ def test_a_word_of_coco_is_a_vote_and_its_doubt_is_of_all() -> None:
     assert both.sum() == pytest.approx(1) and share_coco({"zebra": 0.9}, NAMES) == pytest.approx(1 / len(NAMES))
     said, silent = (propose_names(Observed(), word) for word in ({"couch": 0.8}, None))
     assert said.proposals[0].name == "sofa" and said.proposals[0].probability > 5 * silent.proposals[0].probability
-
-
-def test_weights_follow_who_is_right() -> None:
-    rng = np.random.default_rng(0)
-    right = np.eye(4, dtype=bool)[rng.integers(4, size=400)]
-    told = np.where(rng.random((400, 1)) < 0.8, right, np.roll(right, 1, axis=0))
-    good, noise = np.where(told, 0.5, 0.5 / 3), rng.dirichlet(np.ones(4), 400)
-    said = np.stack([good, noise, *[np.full_like(noise, 0.25)] * 2], axis=1)
-    fitted = fit(said, right)
-    assert fitted.shape > 1 and abs(fitted.classes) < 0.2
-    assert fitted.other == pytest.approx(np.log(3), abs=0.5)  # none is a fourth of them, and counts for half
-    assert likelihood(combine(said, fitted), right) > likelihood(combine(said, Exponents(1, 1, 1, 1, 0)), right) + 0.1
 
 
 def test_without_the_classifier_names_are_proposed_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
