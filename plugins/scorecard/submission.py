@@ -27,7 +27,6 @@ class SubmittedThing(Contract):
     number: MaskValue | None = Field(None, description="its value in the masks that were given")
     support: Text | None = Field(None, description="'floor', 'wall', or the place of another in this list, as text")
     opens: list[HingeSide] = Field([], description="a word a door: the side it is hinged at; 'slide': a drawer")
-    handles: list[Position] = Field([], description="their middles, in the frame of `center`, metres")
 
 
 class SubmittedRoom(Contract):

@@ -67,8 +67,9 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None) -> None:
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
-        print(f"{out}: no masks. Find things: roomkin perception see --picture {out} --out FOLDER")
-        print(f"Or click them: roomkin annotator annotate {shlex.quote(str(out))}; or give --masks")
+        quoted = shlex.quote(str(out))
+        print(f"{out}: no masks. Find things: roomkin perception see --picture {quoted} --out FOLDER")
+        print(f"Or click them: roomkin annotator annotate {quoted}; or give --masks")
         return
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")

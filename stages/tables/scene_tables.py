@@ -47,11 +47,9 @@ def _scores(row: dict[str, Any]) -> list[str]:
         paper = [row.get(f"published_{metric}_{moment}") for moment in ("mean", "std")]
         interval = f"[{', '.join(ends)}]" if ran and all(ends) else ""
         cells.append(cell(value, interval, spread(paper[0], paper[1], DIGITS["iou"])))
-    if not ran:
-        return [*cells, "", ""]
-    opens = ", ".join(str(row[name]) for name in AFFORDANCES) if row["n_articulated"] else NOTHING
     shape = spread(row["shape_iou_mean"], row["shape_iou_std"], DIGITS["iou"]) or NOTHING
-    return [*cells, shape, cell(opens, f"of {row['n_articulated']}")]
+    opens = ", ".join(str(row[name]) for name in AFFORDANCES) + f" of {row['n_articulated']}"
+    return [*cells, cell(shape, opens if row["n_articulated"] else "") if ran else ""]
 
 
 def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
@@ -64,7 +62,7 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         name="table2",
         caption="Table 2: scene reconstruction in the sim-to-sim setting, scenes of nearest cousins.",
         columns=["Scene", "Variant", "Judge", "Scale (m)", "Objects", "Category", "Model", "L2 (cm)", "Ori. (rad)",
-                 "Ori., paper's count", "Box IoU", "Oriented IoU", "Shape IoU", "Panels, handles, hinges"],
+                 "Ori., paper's count", "Box IoU", "Oriented IoU", "Shape IoU; panels, handles, hinges"],
         rows=rows,
         headers=3,
         notes=[*read_notes("table2", confidence=format_confidence(options), variants=VARIANTS), *add_given(table)],

@@ -7,6 +7,7 @@ import pytest
 from pydantic import Field
 
 from roomkin.stages.config.code import ROOTS, closure, code_digest, files_digest, forget
+from roomkin.stages.config.evaluation import EvaluationConfig
 from roomkin.stages.config.experiment import ExperimentConfig
 from roomkin.stages.config.model import load
 from roomkin.stages.config.names import COMMANDS
@@ -42,6 +43,12 @@ def test_training_sets_without_cousins_have_stores_of_their_own() -> None:
     assert experiment.list_trained_roles("door") == ["random_1", "random_2", "random_3", "random_4", "twin_randomised"]
     assert [experiment.episodes_of("door", f"random_{number}") for number in (1, 3)] == [40, 20]
     assert experiment.episodes_of("door", "twin_randomised") == 80
+
+
+def test_a_policy_has_more_episodes_on_the_twin_where_they_are_asked_for() -> None:
+    options = EvaluationConfig(test_assets=["twin", "cousin_2"], rollouts=25, assets=10, asset_rollouts=3)
+    assert options.episodes() == 2 * 25 + 10 * 3
+    assert options.model_copy(update={"twin_rollouts": 60}).episodes() == 60 + 25 + 10 * 3
 
 
 def test_every_seed_learns_from_a_draw_of_its_own() -> None:

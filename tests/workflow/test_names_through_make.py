@@ -36,6 +36,12 @@ def test_a_name_is_what_was_typed(name: str) -> None:
     assert words.split("\0")[:-1] == ["--cores", "2", name, "--depth", name, "--intrinsics", "k.json"]
 
 
+def test_a_picture_that_is_not_named_is_asked_for_before_anything_runs() -> None:
+    done = subprocess.run(["make", "--no-print-directory", "picture"], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 2 and done.stdout == ""
+    assert "error: no picture is named. Fix: make picture RGB=kitchen.jpg" in done.stderr
+
+
 def test_a_clone_and_a_study_may_lie_in_any_folder(tmp_path: Path) -> None:
     clone, study = tmp_path / "it's my project", tmp_path / "it's my study"
     clone.mkdir()

@@ -62,6 +62,7 @@ def test_a_glb_of_nodes(tmp_path: Path, upright: str, camera: bool) -> None:
         scene.graph.update(frame_to="camera", frame_from="world", matrix=Y_UP @ POSE @ OPENGL)
     (tmp_path / "toy_room_1.glb").write_bytes(scene.export(file_type="glb"))
     submission = read(tmp_path)
+    assert len(submission.rooms["toy_room_1"].room.things) == 3, "the floor is none"
     if camera:
         check(submission)
         assert submission.rooms["toy_room_1"].cells[0].all()  # a box is filled
@@ -113,6 +114,7 @@ def test_a_mujoco_scene(tmp_path: Path) -> None:
         ('<asset><mesh name="a" file="../secret.stl"/></asset>', "E-FILE-OUTSIDE"),
         ('<compiler meshdir="/etc"/><asset><mesh name="a" file="passwd"/></asset>', "E-FILE-OUTSIDE"),
         ('<asset><mesh name="a" file="link/passwd"/></asset>', "E-FILE-OUTSIDE"),
+        (r'<asset><mesh name="a" file="..\secret.stl"/></asset>', "E-FILE-OUTSIDE"),
         ('<include file="other.xml"/>', "E-FORMAT"),
         ('<extension><plugin plugin="a"/></extension>', "E-FORMAT"),
         ("<!DOCTYPE a>", "E-XML-DOCTYPE"),

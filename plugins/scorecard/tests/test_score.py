@@ -41,6 +41,8 @@ def test_a_submission_becomes_rows_a_line_and_a_page(tmp_path: Path, capsys: pyt
         ({"frame": "floor", "things": []}, "floor_from_camera: goes with the frame 'floor'"),
         (room(say(TABLE, size=[800, 1400, 800])), "is no extent in metres"),
         (room(say(TABLE, support="7")), "'7' is no other thing's place"),
+        (room(say(TABLE, support="0")), "'0' is no other thing's place"),
+        (room(*[say(TABLE)] * 301), "at most 300 items"),
         (room(say(TABLE, number=1), say(MUG, number=1)), "two have the same number"),
         (room(say(TABLE, colour="red")), "things.0.colour"),
         ("a chair", "(top level)"),
@@ -73,6 +75,14 @@ def test_a_number_counts_only_where_masks_were_given(tmp_path: Path, given: list
     score.run(mine, rooms="toy", data=data, out=tmp_path, pictures=False)
     rows = pd.read_csv(tmp_path / "things.csv").set_index("label")
     assert rows.loc["cup", "placed"] == placed
+
+
+def test_a_method_s_name_stays_in_its_cell(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = write_rooms(tmp_path / "rooms")
+    mine = write(tmp_path / "mine.json", toy_room_1=room(say(TABLE)))
+    mine.write_text(mine.read_text().replace('"mine"', '"a|<b>\\nc"'))
+    score.run(mine, rooms="toy", data=data, out=tmp_path / "out", pictures=False)
+    assert "| a/(b) c | depth |" in capsys.readouterr().out
 
 
 def test_two_submissions_are_compared_thing_by_thing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -60,6 +60,20 @@ def test_a_fault_is_found_where_it_is(said: dict[str, Any], wrong: set[str]) -> 
     assert {name for name in [*RIGHT, "yaw", "facing"] if not getattr(row, name)} == wrong
 
 
+@pytest.mark.parametrize(
+    ("said", "wrong"),
+    [
+        ({"center": [0.21, 1.0, 0.45]}, {"place"}),  # 9 cm in the wall
+        ({"center": [0.15, 1.0, 0.45]}, {"place", "clear"}),
+        ({"opens": ["right"]}, {"opens"}),
+        ({"opens": []}, {"opens"}),
+    ],
+)
+def test_a_fault_of_what_stands_at_a_wall_and_opens_is_found(said: dict[str, Any], wrong: set[str]) -> None:
+    row = score(room(say(CABINET, **said)))["cupboard"]
+    assert {name for name in [*RIGHT, "opens"] if not getattr(row, name)} == wrong
+
+
 def test_the_camera_s_frame_says_the_same_as_the_floor_s() -> None:
     camera = invert_transform(POSE)
     things = [say(one, center=transform_points(camera, one.position).tolist()) for one in (TABLE, MUG, CABINET)]

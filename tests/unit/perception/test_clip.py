@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 import torch
 
+from roomkin.stages.config import weights
 from roomkin.stages.config.weights import CLIP, FOLDER
 from roomkin.stages.geometry.masks import GREY
-from roomkin.stages.perception.classification import propose
+from roomkin.stages.perception.classification import clip, propose
 from roomkin.stages.perception.classification.clip import SIZE, Tower, embed, load_tower, read_published, show
 from roomkin.stages.perception.classification.propose import (
     WITHOUT_LOOKS,
@@ -83,6 +84,15 @@ def test_looks_are_a_vote() -> None:
     head = read_head()[0].weight.detach().numpy()[names.index("sofa")].astype(float)
     said = gather(Observed(None, None, head / np.linalg.norm(head)), None, names)
     assert names[int(said[3].argmax())] == "sofa" and np.ptp(said[:3]) == pytest.approx(0)
+
+
+def test_weights_that_lacked_are_asked_for_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert load_tower(tmp_path) is None
+    (tmp_path / CLIP.name).touch()
+    monkeypatch.setattr(weights, "is_there", lambda *_: True)
+    monkeypatch.setattr(clip, "read_published", lambda path: path)
+    monkeypatch.setattr(clip, "fill", lambda tower, path: path.name)
+    assert load_tower(tmp_path) == CLIP.name
 
 
 def test_without_the_weights_a_line_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

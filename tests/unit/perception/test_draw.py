@@ -40,8 +40,8 @@ def image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(draw, "see_camera", lambda *_: see_lines())
     picture = show_room()
     picture[::2] += 60  # it shows something
-    Image.fromarray(picture).save(tmp_path / "room.png")
-    return tmp_path / "room.png"
+    Image.fromarray(picture).save(tmp_path / "my room.png")
+    return tmp_path / "my room.png"
 
 
 def test_a_photograph_becomes_an_input_folder_and_a_drawing(image: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -50,13 +50,13 @@ def test_a_photograph_becomes_an_input_folder_and_a_drawing(image: Path, capsys:
     told = capsys.readouterr().out
     assert "m above the floor" in told, "the scale is told: it has no spread"
     assert told.count("is found") == 1 and "perception.heights: no wardrobe is found" in told
-    assert "3 things" in told and f"annotate {image} --out {out}" in told
+    assert "3 things" in told and f"annotate '{image}' --out '{out}'\n" in told
     scene = read_scene_input(out)
     assert [item.label for item in scene.annotations.objects] == ["fridge", "sofa", "coffee table"]
     box = scene.annotations.objects[0].box
     assert box is not None and box.size[2] == pytest.approx(1.8, rel=0.02)
     assert scene.depth.shape[1] == WIDTH and (scene.depth[scene.masks > 0] > 0).mean() > 0.9
-    assert all(item.unsure for item in read_json(Project, out / PROJECT).objects) and scene.camera.picture == "room"
+    assert all(item.unsure for item in read_json(Project, out / PROJECT).objects) and scene.camera.picture == "my room"
     assert scene.camera.digest == digest_of(image) == digest_of_picture(out)
 
 
@@ -84,7 +84,7 @@ def test_what_a_person_saved_is_kept_also_if_nothing_in_it_is_confirmed(
     draw.run(image=image, out=out)
     assert read_json(Camera, out / "camera.json").digest == digest_of(image)
     Image.fromarray(np.array(Image.open(image))[:, :600]).save(image)
-    with pytest.raises(InputError, match="holds another picture, 'room': see rgb"):
+    with pytest.raises(InputError, match="holds another picture, 'my room': see rgb"):
         draw.run(image=image, out=out)
 
 

@@ -110,10 +110,11 @@ def test_intrinsics_may_be_told_as_numbers(files: SimpleNamespace) -> None:
 
 
 def test_without_masks_the_page_is_named(files: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
-    out = files.folder / "bare"
+    out = files.folder / "bare one"
     from_rgbd.run(out=out, rgb=files.color, depth=files.depth, camera=(str(files.K),))
     assert sorted(path.name for path in out.iterdir()) == ["camera.json", "depth.npz", "rgb.png"]
-    assert "annotate" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert f"annotate '{out}'; or" in told and f"--picture '{out}' --out" in told
 
 
 def boxes_of(folder: Path) -> dict[str, Any]:

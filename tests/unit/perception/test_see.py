@@ -130,17 +130,19 @@ def test_an_input_folder_comes_out_and_things_left_out_keep_their_pixels(
     monkeypatch.setattr(naming, "observe", lambda *_: None)
     monkeypatch.setattr(naming, "propose_names", lambda *_: next(given))
     monkeypatch.setattr(naming, "find_carriers", lambda *_: set())
-    see.run(picture=tmp_path / "view", out=tmp_path / "seen")
-    found = read_scene_input(tmp_path / "seen")
+    out = tmp_path / "seen in it"
+    see.run(picture=tmp_path / "view", out=out)
+    found = read_scene_input(out)
     (item,) = found.annotations.objects
     assert (item.label, item.proposals, item.probabilities) == ("mug", ["mug", "jar"], [0.9, 0.05])
     assert found.annotations.floor is not None and len(found.annotations.walls) == 1
-    things = read_things(tmp_path / "seen")
+    things = read_things(out)
     assert things is not None and [thing.left_out for thing in things.things] == ["", NO_KIND]
     assert ((found.masks == things.things[1].mask) == table).mean() > 0.999
     assert things.ground is not None and abs(things.ground.camera_height - 1.4) < 0.02
     assert things.ground.taken_from == "the lowest level surface"
-    assert "1 thing, 1 more left out as unsure, 1 wall" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "1 thing, 1 more left out as unsure, 1 wall" in told and f"annotate '{out}'\n" in told
 
 
 @pytest.mark.parametrize(("moved", "said"), [(0, False), (20, True)])
