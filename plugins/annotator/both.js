@@ -1,7 +1,7 @@
 // What both pages have: buttons above the picture, writing and closing, and keys that are the same on both.
 import { fit, zoom } from './canvas.js';
 import { bindMaking } from './making.js';
-import { ask, changed, edit, find, hurry, loses, onChange, redo, save, state, undo } from './state.js';
+import { ask, changed, edit, find, hurry, loses, onChange, redo, save, solve, state, undo } from './state.js';
 
 const get = (id) => document.getElementById(id);
 function whole() { fit(); changed(); }
@@ -14,6 +14,7 @@ function write() { // one after the other: what is written last is the newest
 async function writeOnce() { // whether it was written
   let written = false;
   await save();
+  await solve(); // its doubts are of what is written, and no answer comes after this one's
   try {
     if (state.solved.camera?.factor) throw new Error('Say first how high the camera is: a button answers the question here.');
     const answer = await ask('write', state.project);

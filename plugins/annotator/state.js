@@ -7,7 +7,7 @@ export const state = {
 const listeners = [];
 const past = [];
 const future = [];
-let asking = false, again = false, saving = 0, savedAt = 0;
+let again = false, saving = 0, savedAt = 0;
 let edits = 0, kept = 0, failed = false; // changes so far, those that are saved, and whether saving them failed
 
 export const onChange = (listener) => listeners.push(listener);
@@ -34,11 +34,15 @@ function drawn() {
   return project;
 }
 
-export async function solve() {
-  if (asking) { again = true; return; }
-  asking = true;
+let solving = null;
+export function solve() { // done when what was solved is what is drawn
+  again = true;
+  solving ??= solveAll();
+  return solving;
+}
+async function solveAll() {
   try {
-    do {
+    while (again) {
       again = false;
       try {
         state.solved = await ask('solve', drawn());
@@ -47,9 +51,9 @@ export async function solve() {
         state.trouble = error.message;
       }
       changed();
-    } while (again);
+    }
   } finally {
-    asking = false;
+    solving = null;
   }
 }
 

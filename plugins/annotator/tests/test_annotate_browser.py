@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -254,6 +255,20 @@ def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(
     scale = _saved(page, session).scale
     assert scale.metres != height
     page.wait_for_function("() => document.getElementById('camera-facts').textContent.includes('1.50 m above')")
+
+
+def test_what_writing_says_stays_where_an_answer_comes_late(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    page, session, room, hand = opened
+    hand.object(room.truth.objects[3], "floor")
+    hand.fill("What it is", "wardrobe")
+    page.wait_for_selector("#camera-doubt:not([hidden])")
+    solve = session.solve
+    monkeypatch.setattr(session, "solve", lambda body: (time.sleep(0.4), solve(body))[1])
+    hand.fill("What it is", "tall wardrobe")
+    hand.key("Control+s")
+    page.wait_for_function("() => document.getElementById('trouble').textContent.startsWith('Say first how high')")
+    page.wait_for_timeout(1000)  # as long as answers may still come
+    assert page.locator("#trouble").text_content().startswith("Say first how high")
 
 
 def test_what_fell_behind_is_put_on_what_it_is_seen_on_by_a_click(opened: Opened) -> None:
