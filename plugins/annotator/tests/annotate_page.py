@@ -1,6 +1,7 @@
 """Draws a room of known truth into the page of `annotate`, as a person would: by clicks near the right pixels."""
 
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -125,6 +126,14 @@ class Hand:
         for name, count in (("Doors", said.doors), ("Drawers", said.drawers)):
             if count:
                 self.fill(name, count)
+
+
+def wait_until(page: Any, true: Callable[[], bool]) -> None:
+    """Go on as soon as `true` holds; the page's events are heard meanwhile."""
+    until = time.monotonic() + 20
+    while not true():
+        assert time.monotonic() < until
+        page.wait_for_timeout(20)
 
 
 def serve(session: Session) -> PageServer:

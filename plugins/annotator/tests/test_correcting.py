@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from roomkin.plugins.annotator import annotate
 from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.plugins.annotator.shown import Drawing, Thing
-from roomkin.plugins.annotator.tests.annotate_page import watched
+from roomkin.plugins.annotator.tests.annotate_page import wait_until, watched
 from roomkin.plugins.annotator.tests.corrected_scene import read_told_to
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from roomkin.stages.contracts import Camera, InputError, Objects, read_json, write_json, write_text
@@ -485,7 +485,7 @@ def test_what_changes_while_it_is_saved_is_not_called_saved(opened: Any) -> None
     answer.value.finished()
     page.wait_for_timeout(100)
     assert page.locator("#saved").text_content() == "…"
-    page.wait_for_timeout(300)  # the next one is sent after a quarter of a second
+    wait_until(page, lambda: len(asked) > 1)  # the next one is sent after a quarter of a second
     asked[1].continue_()
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
     page.unroute("**/save")

@@ -11,7 +11,7 @@ import pytest
 
 from roomkin.plugins.annotator.server import PageServer
 from roomkin.plugins.annotator.session import Session
-from roomkin.plugins.annotator.tests.annotate_page import serve
+from roomkin.plugins.annotator.tests.annotate_page import serve, wait_until
 from roomkin.plugins.annotator.tests.test_annotate_browser import ROOM, browser  # noqa: F401
 from roomkin.stages.contracts import files
 from roomkin.stages.contracts.hand import PROJECT
@@ -97,7 +97,7 @@ def test_who_leaves_at_once_loses_no_edit(
         _draw(page)
         page.wait_for_timeout(milliseconds)
         leave(page)
-        until = time.monotonic() + 5
+        until = time.monotonic() + 20
         while _walls(server) != 2 * count and time.monotonic() < until:
             time.sleep(0.02)
         assert _walls(server) == 2 * count, milliseconds
@@ -175,7 +175,7 @@ def test_a_full_disk_is_told_on_the_page_until_there_is_room(
         assert path.read_bytes() == before and [one.name for one in path.parent.iterdir()] == [PROJECT]
         page.on("dialog", lambda dialog: asked.append(dialog.type) or dialog.dismiss())
         page.close(run_before_unload=True)
-        page.wait_for_timeout(500)
+        wait_until(page, lambda: bool(asked))
         assert asked == ["beforeunload"] and not page.is_closed()
     page.get_by_role("button", name="Undo").click()
     _wait(page, "saved")
@@ -235,13 +235,13 @@ def test_who_leaves_while_a_large_drawing_is_not_saved_is_asked(
     page.on("dialog", lambda dialog: asked.append(dialog.type) or dialog.dismiss())
     page.evaluate(LARGE)
     page.close(run_before_unload=True)
-    page.wait_for_timeout(500)
+    wait_until(page, lambda: bool(asked))
     assert asked == ["beforeunload"] and not page.is_closed()
     for route in held:
         route.continue_()
     page.unroute("**/save")
     _wait(page, "saved")
     assert len(json.loads((server.session.folder / PROJECT).read_text())["objects"]) == 6
-    page.close(run_before_unload=True)
-    time.sleep(0.5)
+    with page.expect_event("close"):
+        page.close(run_before_unload=True)
     assert asked == ["beforeunload"]

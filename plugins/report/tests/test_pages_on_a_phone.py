@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from roomkin.plugins.report import overview
-from roomkin.plugins.report.tests.test_report_browser import WIDE, address, browser, unfold  # noqa: F401
+from roomkin.plugins.report.tests.test_report_browser import FRAME, WIDE, address, browser, unfold  # noqa: F401
 from roomkin.plugins.report.tests.test_scene_page import made  # noqa: F401
 
 PHONE = {"width": 390, "height": 844}
@@ -95,7 +95,7 @@ def test_a_wall_seen_from_behind_or_edge_on_hides_nothing(pages: dict[str, Path]
     def empty_after(keys: int) -> float:
         for _ in range(keys):
             phone.keyboard.press("ArrowRight")  # 0.1 rad
-        phone.wait_for_timeout(100)
+        phone.evaluate(FRAME)
         share: float = phone.evaluate(EMPTY)
         return share
 

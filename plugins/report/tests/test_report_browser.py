@@ -227,6 +227,7 @@ def test_colors_films_and_large_pictures_by_keyboard(opened: tuple[Any, list[str
     assert complaints == []
 
 
+FRAME = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"  # drawn once more
 DRAWN = """
 () => {
   const canvas = document.querySelector('#turntable canvas');
@@ -260,7 +261,7 @@ def test_a_scene_turns_by_drag_and_keys_and_its_door_opens(opened: tuple[Any, li
     assert below["y"] + below["height"] <= whole["y"] + whole["height"] + 1  # nothing is cut off
 
     def changed(what: str, before: dict[str, float]) -> dict[str, float]:
-        page.wait_for_timeout(100)
+        page.evaluate(FRAME)
         now: dict[str, float] = page.evaluate(DRAWN)
         assert now["sum"] != before["sum"], what
         return now
