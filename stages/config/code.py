@@ -105,7 +105,8 @@ def _list_needs(module: str) -> frozenset[str]:
     for node in _imports(module):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and source(origin := _resolve_import(node, module)):
+        elif isinstance(node, ast.ImportFrom):
+            origin = _resolve_import(node, module)  # a folder without `__init__.py` is no file, what lies in it is
             found.update(_origin(origin, alias.name) for alias in node.names)
     found.update(MODULE_NAME.findall(_text(module)))
     for kind in EVERY.findall(_text(module)):
