@@ -13,9 +13,10 @@ import numpy as np
 from pydantic import Field
 
 from roomkin.plugins.furniture.colors import METALS, WOODS
+from roomkin.plugins.furniture.fields import between, chance, fixed, of, one_of, whole, zero_or
 from roomkin.plugins.furniture.finishes import Surface
 from roomkin.plugins.furniture.model import METAL, WOOD, Part, part
-from roomkin.plugins.furniture.recipe import Coating, Generator, between, chance, fixed, of, one_of, whole, zero_or
+from roomkin.plugins.furniture.recipe import Coating, Generator
 from roomkin.plugins.furniture.shapes import hull, lathe, rod, rotate, slab, translate
 from roomkin.stages.contracts.library import HandleKind, Placement
 
