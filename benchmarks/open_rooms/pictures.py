@@ -48,7 +48,7 @@ def make(root: Path, half: str, only: str, samples: int, learning: int = 0) -> N
             print(folder, flush=True)
 
 
-def _make(root: Path, folder: Path, half: str, models: list[packs.Model], samples: int) -> None:
+def _make(root: Path, folder: Path, half: str, models: list[packs.PackModel], samples: int) -> None:
     name = folder.name
     seed = zlib.crc32(name.encode())
     rng = np.random.default_rng(seed)
@@ -104,7 +104,7 @@ def _write(path: Path, pixels: NDArray[Any]) -> None:
 
 
 def _truth(
-    room: rooms.Room,
+    room: rooms.OpenRoom,
     caster: views.Caster,
     owner: NDArray[np.uint16],
     pose: NDArray[np.float64],
@@ -116,7 +116,7 @@ def _truth(
     found = []
     for number, thing in enumerate(room.things, 1):
         model = thing.model
-        assert isinstance(model, packs.Model)
+        assert isinstance(model, packs.PackModel)
         mine = owner == number
         share = views.share_seen(caster, thing, number, owner, pose, focal) if mine.any() else 0.0
         names = packs.kinds()[model.kind].labels

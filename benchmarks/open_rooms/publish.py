@@ -46,7 +46,7 @@ def publish(root: Path, halves: list[str]) -> None:
     write_json(data / "manifest.json", list_digests(data))
 
 
-def publish_room(folder: Path, out: Path, models: dict[str, packs.Model]) -> Picture:
+def publish_room(folder: Path, out: Path, models: dict[str, packs.PackModel]) -> Picture:
     """Copy the files of a picture, and write its truth with how things open."""
     for ours, theirs in FILES.items():
         if not (folder / ours).is_file():
@@ -68,7 +68,7 @@ def round_numbers(value: Any) -> Any:
     return round(value, DIGITS) + 0.0 if isinstance(value, float) else value
 
 
-def write_shapes(path: Path, models: list[packs.Model]) -> None:
+def write_shapes(path: Path, models: list[packs.PackModel]) -> None:
     """What is filled of the models' boxes, by id, as packed bits of 24 cells a side; undated."""
     cells = {}
     for model in models:

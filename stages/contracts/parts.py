@@ -22,7 +22,7 @@ HingeSide = Literal["left", "right", "bottom", "top", "slide"]
 FRONTS: tuple[FrontType, ...] = get_args(FrontType)
 
 
-class Part(NamedTuple):
+class PartKind(NamedTuple):
     """A kind of moving part.
 
     joint: its type. sides: at which a task opens it; slide: it has no hinge. motion: the least and the most that one
@@ -35,11 +35,11 @@ class Part(NamedTuple):
     spring: float = 0.0
 
 
-PARTS: dict[PartType, Part] = {
-    "door": Part("revolute", ("left", "right"), (np.deg2rad(20), np.inf)),
-    "drawer": Part("prismatic", ("slide",), (0.05, np.inf)),
+PARTS: dict[PartType, PartKind] = {
+    "door": PartKind("revolute", ("left", "right"), (np.deg2rad(20), np.inf)),
+    "drawer": PartKind("prismatic", ("slide",), (0.05, np.inf)),
     # 2 to 4 N where it is pushed all the way, as push buttons of machines have it; chosen
-    "button": Part("prismatic", ("slide",), (0.001, 0.05), spring=200.0),
+    "button": PartKind("prismatic", ("slide",), (0.001, 0.05), spring=200.0),
 }
 
 OPENS = {

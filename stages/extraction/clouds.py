@@ -16,7 +16,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import KDTree
 
 from roomkin.stages.config.inputs import ExtractionConfig
-from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.category import CategoryFacts
 from roomkin.stages.extraction.contact import DepthView
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.clouds import dbscan, statistical_inliers
@@ -73,7 +73,7 @@ def is_uppermost(points: Array, box: UprightBox, thick: float) -> NDArray[np.boo
     return np.asarray(points[:, 2] > ends[cells] - thick)
 
 
-def find_carrying_heights(category: Category | None, level: float | None, top: float) -> tuple[float, ...]:
+def find_carrying_heights(category: CategoryFacts | None, level: float | None, top: float) -> tuple[float, ...]:
     """Heights at which an object may carry others, the likeliest first; its box ends at `top`.
 
     A chair carries at its seat, a desk between its clutter and on top of that, a shelf at its top alone.

@@ -29,7 +29,7 @@ from roomkin.stages.articulated.model import frames_of
 from roomkin.stages.articulated.urdf_reader import UrdfReader
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts import Objects
-from roomkin.stages.contracts.category import Category, SizeSpread
+from roomkin.stages.contracts.category import CategoryFacts, SizeSpread
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.objects import DepthError, Wall
 from roomkin.stages.generation.inputs import MatchedObject
@@ -248,7 +248,7 @@ def size(
     yaw: float,
     one: MatchedObject,
     scene: Objects,
-    category: Category | None,
+    category: CategoryFacts | None,
     reached: Sequence[Wall],
     options: GenerationConfig,
 ) -> Placed:
