@@ -62,7 +62,7 @@ class Counts:
 
 
 @dataclass(frozen=True)
-class Camera:
+class CameraError:
     """How far the camera is off: height and focal length as shares, tilt in degrees, roll included; each of them (how
     far it looks down) in its spreads.
     """
@@ -93,7 +93,9 @@ def find_alone(folder: Path, focal: float | None, sure: float) -> FoundRoom:
     )
 
 
-def measure(folder: Path, masks: str, with_focal: bool, sure: float) -> tuple[Camera, list[ThingMiss], Counts, float]:
+def measure(
+    folder: Path, masks: str, with_focal: bool, sure: float
+) -> tuple[CameraError, list[ThingMiss], Counts, float]:
     """The camera and the things of a picture, how many were asked for, drawn and rightly named, and CPU seconds."""
     truth, start = read(folder), time.process_time()
     focal = truth.focal if with_focal else None
@@ -102,7 +104,7 @@ def measure(folder: Path, masks: str, with_focal: bool, sure: float) -> tuple[Ca
         found = find_alone(folder, focal, sure) if masks == "none" else find_given(folder, masks, focal)
     except InputError:  # nothing is known there
         far = Spread(np.inf, np.inf, np.inf)
-        return Camera(*far, far), [], Counts(asked, 0, 0), time.process_time() - start
+        return CameraError(*far, far), [], Counts(asked, 0, 0), time.process_time() - start
     seconds, room, pose = time.process_time() - start, found.room, truth.pose
     ends = measure_all(found.masks, list(found.labels), ~find_border(read_rgb(folder / "rgb.png")))
     up = pose[:3, :3].T @ [0, 0, 1]
@@ -121,7 +123,7 @@ def measure(folder: Path, masks: str, with_focal: bool, sure: float) -> tuple[Ca
         named += category_in(found.labels[value]) in packs.kinds()[thing.kind].sensible
     high, focal = room.view.above / float(pose[2, 3]), room.view.focal / truth.focal
     apart = np.abs([angles_of(room.view.rotation)[1] - angles_of(pose[:3, :3])[1], np.log(high), np.log(focal)])
-    off = Camera(high - 1, tilt, focal - 1, Spread(*apart / room.spread))
+    off = CameraError(high - 1, tilt, focal - 1, Spread(*apart / room.spread))
     return off, things, Counts(asked, len(room.boxes), named), seconds
 
 

@@ -19,10 +19,10 @@ UPON = 40  # things that are tried upon others; chosen
 
 
 @dataclass(frozen=True)
-class Own(packs.Model):
+class Own(packs.PackModel):
     """A model of ours, or of what is none of our categories; its name is its number."""
 
-    def _read(self) -> list[packs.Part]:
+    def _read(self) -> list[packs.PaintedMesh]:
         """Its parts, in their colors as screens show them."""
         rng = np.random.default_rng(np.random.SeedSequence((MODELS, *self.kind.encode(), int(self.name))))
         return [_convert(part) for part in parts_of(self._build(rng))]
@@ -42,19 +42,19 @@ class Own(packs.Model):
         return f"{self.pack}_{self.kind}_{self.name}"
 
 
-def _convert(part: Part) -> packs.Part:
+def _convert(part: Part) -> packs.PaintedMesh:
     mesh = part.mesh
     normals = np.array(mesh.vertex_normals) if part.smooth else None
     red, green, blue = (float(np.clip(value, 0, 1) ** (1 / 2.2)) for value in part.color)
     color, corners = (red, green, blue), np.array(mesh.vertices)
     if normals is None:  # flat: every face has corners of its own
         corners, faces = corners[mesh.faces.reshape(-1)], np.arange(3 * len(mesh.faces)).reshape(-1, 3)
-        return packs.Part(corners, faces, None, None, color, None, 1.0)
-    return packs.Part(corners, np.array(mesh.faces), normals, None, color, None, 1.0)
+        return packs.PaintedMesh(corners, faces, None, None, color, None, 1.0)
+    return packs.PaintedMesh(corners, np.array(mesh.faces), normals, None, color, None, 1.0)
 
 
 @cache
-def own_models() -> list[packs.Model]:
+def own_models() -> list[packs.PackModel]:
     """So many of every category, and of every kind of thing that is none."""
     return [
         Own(OURS, str(number), kind, (), "", "none", "", 1.0, packs.HERE)

@@ -17,7 +17,7 @@ from trimesh.visual.material import SimpleMaterial
 
 from benchmarks.name_training.solids import JUNK
 from benchmarks.open_rooms.blend import Piece, read_pieces
-from roomkin.plugins.scorecard.naming import Kind, stated_kinds
+from roomkin.plugins.scorecard.naming import ThingNames, stated_kinds
 from roomkin.stages.contracts.categories import known_categories
 
 HERE = Path(__file__).parent
@@ -80,7 +80,7 @@ FRAMES = {
 
 
 @dataclass(frozen=True)
-class Part:
+class PaintedMesh:
     """A mesh of one material: vertices (V, 3) metres, faces (F, 3), uv (V, 2) or None, color (3,) as screens show it,
     picture RGB(A) or None, and the share of light that it stops."""
 
@@ -94,7 +94,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Model:
+class PackModel:
     """A line of models.csv.
 
     By eye: `opens` has a word per door (the side it is hinged at, sideways, unknown) and drawer (slide); `handle` is
@@ -128,7 +128,7 @@ class Model:
         return self.opens.count("slide")
 
     @property
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[PaintedMesh]:
         """Its meshes: z up, front towards +x, box centerd in x and y, standing on z = 0."""
         return _parts(self)
 
@@ -138,7 +138,7 @@ class Model:
         x, y, z = np.ptp(np.concatenate([part.vertices for part in self.parts]), axis=0)
         return float(x), float(y), float(z)
 
-    def _read_catalogued(self) -> list[Part]:
+    def _read_catalogued(self) -> list[PaintedMesh]:
         """Of Sweet Home 3D: the OBJ turned as its catalogue says and stretched to the size there."""
         entry = catalogue(self.folder, self.pack)[self.name]
         path = self.folder / CATALOGUES[self.pack][0] / entry["model"].lstrip("/")
@@ -151,7 +151,7 @@ class Model:
         scale = stated / np.ptp(points, axis=0)
         return [_transform_part(part, np.diag([*scale, 1.0])) for part in parts]
 
-    def _mjcf(self) -> list[Part]:
+    def _mjcf(self) -> list[PaintedMesh]:
         """Of a MuJoCo file: what is seen of the body of that name, or else of its last tree, as it stands there."""
         name, _, cut = self.name.split("/")[-1].partition(" ")
         world = mujoco.MjModel.from_xml_path(str(self.folder / MJCF[self.pack].format(self.name, name)))
@@ -171,7 +171,7 @@ class Model:
             parts = [_transform_part(part, turn) for part in parts]
         return parts if not cut else [part for whole in parts for part in _cut_part(whole, cut)]
 
-    def _read_urdf(self) -> list[Part]:
+    def _read_urdf(self) -> list[PaintedMesh]:
         """Of a URDF of one link: the meshes and boxes that are seen of it."""
         path, parts = self.folder / URDFS[self.pack].format(self.name), []
         for visual in ElementTree.parse(path).iter("visual"):
@@ -179,7 +179,7 @@ class Model:
             place = visual.find("origin")
             turn = np.eye(4)
             turn[:3, 3] = _numbers("0 0 0" if place is None else place.get("xyz", "0 0 0"))
-            found: list[Part] = []
+            found: list[PaintedMesh] = []
             if mesh is not None:
                 turn[:3, :3] = np.diag(_numbers(mesh.get("scale", "1 1 1")))
                 found = list(_obj(path.parent / mesh.attrib["filename"], turn, ordered=False))
@@ -187,18 +187,18 @@ class Model:
                 solid = trimesh.creation.box(_numbers(box.attrib["size"]))
                 corners = solid.vertices[solid.faces.reshape(-1)]
                 faces = np.arange(len(corners)).reshape(-1, 3)
-                grey = Part(corners, faces, None, None, (0.7, 0.7, 0.7), None, 1.0)
+                grey = PaintedMesh(corners, faces, None, None, (0.7, 0.7, 0.7), None, 1.0)
                 found = [_transform_part(grey, TO_OURS @ turn)]
             red, green, blue, _ = (0, 0, 0, 0) if color is None else _numbers(color.attrib["rgba"])
             parts += found if color is None else [replace(part, color=(red, green, blue)) for part in found]
         return parts
 
-    def _read_blend(self) -> list[Part]:
+    def _read_blend(self) -> list[PaintedMesh]:
         """Of Blender: an object of a file, with what hangs on it."""
         file, name = self.name.split("/")
         return [_convert_piece(piece) for piece in read_pieces(self.folder / BLENDS[self.pack].format(file), name)]
 
-    def _read(self) -> list[Part]:
+    def _read(self) -> list[PaintedMesh]:
         if self.pack in MJCF:
             return self._mjcf()
         if self.pack in BLENDS:
@@ -211,33 +211,33 @@ class Model:
 
 
 @lru_cache(maxsize=32)
-def _parts(model: Model) -> list[Part]:
+def _parts(model: PackModel) -> list[PaintedMesh]:
     turn, parts = FRAMES[model.frame] @ np.diag([*[model.scale] * 3, 1.0]), model._read()
     return _stand_parts(parts if np.array_equal(turn, np.eye(4)) else [_transform_part(part, turn) for part in parts])
 
 
-def _convert_piece(piece: Piece) -> Part:
+def _convert_piece(piece: Piece) -> PaintedMesh:
     uv = None if piece.uv is None else piece.uv.reshape(-1, 2)
     triangles = np.arange(3 * len(piece.corners)).reshape(-1, 3)
     picture = None if uv is None else piece.picture
-    return Part(piece.corners.reshape(-1, 3), triangles, None, uv, piece.color, picture, 1.0)
+    return PaintedMesh(piece.corners.reshape(-1, 3), triangles, None, uv, piece.color, picture, 1.0)
 
 
-def _transform_part(part: Part, transform: NDArray[np.float64]) -> Part:
+def _transform_part(part: PaintedMesh, transform: NDArray[np.float64]) -> PaintedMesh:
     normals = None
     if part.normals is not None:
         normals = part.normals @ np.linalg.inv(transform[:3, :3])
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     vertices = part.vertices @ transform[:3, :3].T + transform[:3, 3]
     faces = part.faces if np.linalg.det(transform[:3, :3]) > 0 else part.faces[:, ::-1]
-    return Part(vertices, faces, normals, part.uv, part.color, part.picture, part.opacity)
+    return PaintedMesh(vertices, faces, normals, part.uv, part.color, part.picture, part.opacity)
 
 
 def _numbers(text: str) -> list[float]:
     return [float(word) for word in text.split()]
 
 
-def _cut_part(part: Part, cut: str) -> Iterator[Part]:
+def _cut_part(part: PaintedMesh, cut: str) -> Iterator[PaintedMesh]:
     """What lies on one side: of "x>0.3" the triangles all beyond that; of a part whose faces share no corner."""
     side = {"<": -1.0, ">": 1.0}[cut[1]]
     beyond = side * (part.vertices[:, "xyz".index(cut[0])] - float(cut[2:])) > 0
@@ -248,7 +248,7 @@ def _cut_part(part: Part, cut: str) -> Iterator[Part]:
         yield replace(part, vertices=part.vertices[kept], faces=faces, normals=normals, uv=uv)
 
 
-def _stand_parts(parts: list[Part]) -> list[Part]:
+def _stand_parts(parts: list[PaintedMesh]) -> list[PaintedMesh]:
     points = np.concatenate([part.vertices for part in parts])
     low, high = points.min(axis=0), points.max(axis=0)
     shift = np.eye(4)
@@ -270,7 +270,7 @@ def _opacities(path: Path) -> dict[str, float]:
     return found
 
 
-def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Iterator[Part]:
+def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Iterator[PaintedMesh]:
     opacities = _opacities(path)
     for mesh in trimesh.load_scene(path, process=False, maintain_order=ordered).dump():
         if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
@@ -281,7 +281,7 @@ def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Ite
         smooth = len(mesh.faces) < MOST_SMOOTHED
         mesh = trimesh.graph.smooth_shade(mesh, angle=SMOOTH) if smooth else mesh
         uv = getattr(mesh.visual, "uv", None)
-        part = Part(
+        part = PaintedMesh(
             np.array(mesh.vertices),
             np.array(mesh.faces),
             np.array(mesh.vertex_normals) if smooth else None,
@@ -293,7 +293,7 @@ def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Ite
         yield _transform_part(part, TO_OURS @ rotation)
 
 
-def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
+def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> PaintedMesh:
     points, normals, uv = SHAPES[world.geom_type[geom]](world, geom)
     turn = data.geom_xmat[geom].reshape(3, 3)
     material = world.geom_matid[geom]
@@ -312,7 +312,7 @@ def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
     triangles = np.arange(len(points)).reshape(-1, 3)
     normals = None if normals is None else normals @ turn.T
     points = points @ turn.T + data.geom_xpos[geom]
-    return Part(points, triangles, normals, uv, (red, green, blue), picture, float(color[3]))
+    return PaintedMesh(points, triangles, normals, uv, (red, green, blue), picture, float(color[3]))
 
 
 # Of the corners of faces, one after the other: points, normals, uv.
@@ -365,18 +365,18 @@ def catalogue(folder: Path, pack: str) -> dict[str, dict[str, str]]:
 
 
 @cache
-def kinds() -> dict[str, Kind]:
+def kinds() -> dict[str, ThingNames]:
     """The table of kinds.yaml; categories of ours that it lacks, and things that are none, of rooms to learn from."""
-    own = {name: Kind([name.replace("_", " ")], [name], "none") for name in known_categories()}
-    return {name: Kind([name.replace("_", " ")], [], "none") for name in JUNK} | own | stated_kinds()
+    own = {name: ThingNames([name.replace("_", " ")], [name], "none") for name in known_categories()}
+    return {name: ThingNames([name.replace("_", " ")], [], "none") for name in JUNK} | own | stated_kinds()
 
 
-def models(folder: Path, half: str) -> list[Model]:
+def models(folder: Path, half: str) -> list[PackModel]:
     """The models of one half, as `fetch` unpacked them into `folder`."""
     with (HERE / "models.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["pack"] in (HALVES | MIXED)[half]]
     return [
-        Model(
+        PackModel(
             row["pack"],
             row["model"],
             row["kind"],

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from benchmarks.open_rooms.packs import FLOORS, WALLS, Part, texture
-from benchmarks.open_rooms.rooms import HEIGHT, Room
+from benchmarks.open_rooms.packs import FLOORS, WALLS, PaintedMesh, texture
+from benchmarks.open_rooms.rooms import HEIGHT, OpenRoom
 from benchmarks.open_rooms.sensor import GLASS, MIRROR, Floats
-from benchmarks.open_rooms.views import HEIGHT_PX, WIDTH, Surface, intrinsics, surfaces
+from benchmarks.open_rooms.views import HEIGHT_PX, WIDTH, PlacedMesh, intrinsics, surfaces
 from roomkin.stages.contracts import InputError
 
 DEPTH = 5  # bounces
@@ -22,7 +22,9 @@ UPSIDE_DOWN = {"work", "held_out", "third"}  # where pictures on OBJs are so, an
 LAMP, WINDOW = 1.6, 3.0  # radiance of the ceiling and of the window behind the camera
 
 
-def photograph(room: Room, half: str, packs: Path, pose: Floats, focal: float, samples: int, seed: int) -> Image.Image:
+def photograph(
+    room: OpenRoom, half: str, packs: Path, pose: Floats, focal: float, samples: int, seed: int
+) -> Image.Image:
     """The picture of a room, 640 x 480.
 
     Args:
@@ -89,7 +91,7 @@ def _sensor(mi: Any, pose: Floats, focal: float, samples: int, seed: int) -> dic
     }
 
 
-def _lights(mi: Any, room: Room, rng: np.random.Generator) -> dict[str, Any]:
+def _lights(mi: Any, room: OpenRoom, rng: np.random.Generator) -> dict[str, Any]:
     """A bright ceiling and a window behind whoever takes the picture."""
     x, y = room.size
     warm = np.array([1.0, rng.uniform(0.82, 0.95), rng.uniform(0.65, 0.85)])
@@ -147,7 +149,7 @@ def _tile_picture(picture: NDArray[np.uint8], metres: float) -> dict[str, Any]:
     return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": _bitmap(picture[..., :3], metres)}}
 
 
-def _make_material(mi: Any, surface: Surface) -> dict[str, Any]:
+def _make_material(mi: Any, surface: PlacedMesh) -> dict[str, Any]:
     part = surface.part
     if surface.kind == MIRROR:
         return {"type": "twosided", "bsdf": {"type": "conductor", "material": "Ag"}}
@@ -167,7 +169,7 @@ def _make_material(mi: Any, surface: Surface) -> dict[str, Any]:
     return bsdf
 
 
-def _mesh(mi: Any, part: Part, bsdf: dict[str, Any], name: str) -> Any:
+def _mesh(mi: Any, part: PaintedMesh, bsdf: dict[str, Any], name: str) -> Any:
     properties = mi.Properties()
     properties["mesh_bsdf"] = mi.load_dict(bsdf)
     smooth, textured = part.normals is not None, part.uv is not None

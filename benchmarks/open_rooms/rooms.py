@@ -26,7 +26,7 @@ HEIGHT = 2.6
 WALLS = ("north", "west", "east")
 
 
-class Model(Protocol):
+class ModelSize(Protocol):
     """What a layout knows of a model: size is depth, width, height."""
 
     @property
@@ -38,11 +38,11 @@ class Model(Protocol):
 
 
 @dataclass(frozen=True)
-class Thing:
+class PlacedModel:
     """A model in its place. `support`: floor, wall, or the name of the thing beneath; `wall`: that it touches."""
 
     name: str
-    model: Model
+    model: ModelSize
     position: tuple[float, float, float]  # of the middle of its bottom
     yaw: float
     support: str
@@ -56,17 +56,19 @@ class Thing:
 
 
 @dataclass(frozen=True)
-class Room:
+class OpenRoom:
     """A furnished room: `size` along x and y; camera at `eye`, looking at `look`."""
 
     kind: str
     size: tuple[float, float]
     eye: tuple[float, float, float]
     look: tuple[float, float, float]
-    things: list[Thing] = field(default_factory=list)
+    things: list[PlacedModel] = field(default_factory=list)
 
 
-Top = Callable[[Thing, NDArray[np.float64]], NDArray[np.float64]]  # height of a thing's surface at points; NaN: none
+Top = Callable[
+    [PlacedModel, NDArray[np.float64]], NDArray[np.float64]
+]  # height of a thing's surface at points; NaN: none
 
 
 @cache
@@ -112,8 +114,8 @@ def mirror_plan(plan: dict[str, Any]) -> dict[str, Any]:
 
 
 def furnish(
-    kind: str, models: Sequence[Model], top: Top, rng: np.random.Generator, plan: Mapping[str, Any] | None = None
-) -> Room:
+    kind: str, models: Sequence[ModelSize], top: Top, rng: np.random.Generator, plan: Mapping[str, Any] | None = None
+) -> OpenRoom:
     """One room of a kind.
 
     Args:
@@ -129,7 +131,7 @@ def furnish(
     eye = np.array([*camera["eye"], rng.uniform(*camera.get("height", (1.15, 1.7)))])
     eye[:2] += rng.uniform(-0.2, 0.2, 2)
     look = np.array(camera["look"]) + rng.uniform(-0.15, 0.15, 3)
-    room = Room(kind, tuple(plan["size"]), tuple(eye.tolist()), tuple(look.tolist()))
+    room = OpenRoom(kind, tuple(plan["size"]), tuple(eye.tolist()), tuple(look.tolist()))
     for spot in plan["things"]:
         if rng.random() < spot.get("chance", 1.0):
             room.things.extend(_furnish_spot(spot, room, models, top, rng))
@@ -137,8 +139,8 @@ def furnish(
 
 
 def _furnish_spot(
-    spot: dict[str, Any], room: Room, models: Sequence[Model], top: Top, rng: np.random.Generator
-) -> Iterator[Thing]:
+    spot: dict[str, Any], room: OpenRoom, models: Sequence[ModelSize], top: Top, rng: np.random.Generator
+) -> Iterator[PlacedModel]:
     """The thing of one spot, if it can be put there in a few tries."""
     there = {thing.name: thing for thing in room.things}
     other = there.get(str(spot.get("by", spot.get("upon", ""))))
@@ -156,7 +158,9 @@ def _furnish_spot(
             return
 
 
-def _draw_model(spot: dict[str, Any], room: Room, models: Sequence[Model], rng: np.random.Generator) -> Model | None:
+def _draw_model(
+    spot: dict[str, Any], room: OpenRoom, models: Sequence[ModelSize], rng: np.random.Generator
+) -> ModelSize | None:
     """A model for the spot: one not used yet if there is any, small enough, wide enough."""
     if "like" in spot:
         return next((thing.model for thing in room.things if thing.name == spot["like"]), None)
@@ -175,8 +179,14 @@ def _draw_model(spot: dict[str, Any], room: Room, models: Sequence[Model], rng: 
 
 
 def _place_model(
-    spot: dict[str, Any], name: str, model: Model, room: Room, other: Thing | None, top: Top, rng: np.random.Generator
-) -> Thing | None:
+    spot: dict[str, Any],
+    name: str,
+    model: ModelSize,
+    room: OpenRoom,
+    other: PlacedModel | None,
+    top: Top,
+    rng: np.random.Generator,
+) -> PlacedModel | None:
     how = next(key for key in TURNED if key in spot)
     yaw = np.deg2rad(spot.get("turn", 0.0) + rng.uniform(-1, 1) * TURNED[how] * ("spot" not in spot or how != "upon"))
     depth, width, _ = model.size
@@ -189,10 +199,12 @@ def _place_model(
         x, y = np.array(start) + np.array(inward) * (gap + depth / 2)
         height = spot["bottom"] if how == "hang" else 0.0
         turned = float(np.arctan2(inward[1], inward[0]))
-        return Thing(name, model, (float(x), float(y), height), turned, "wall" if how == "hang" else "floor", wall)
+        return PlacedModel(
+            name, model, (float(x), float(y), height), turned, "wall" if how == "hang" else "floor", wall
+        )
     if how == "xy":
         x, y = np.array(spot["xy"]) + rng.uniform(-1, 1, 2) * NUDGED
-        return Thing(name, model, (float(x), float(y), 0.0), wrap_angle(float(yaw)), "floor")
+        return PlacedModel(name, model, (float(x), float(y), 0.0), wrap_angle(float(yaw)), "floor")
     assert other is not None
     front = np.array([np.cos(other.yaw), np.sin(other.yaw)])
     left = np.array([-front[1], front[0]])
@@ -208,15 +220,15 @@ def _place_model(
         shift = spot.get("shift", 0.0) + ((depth - other.model.size[0]) / 2 if spot.get("flush") else 0.0)
         x, y = middle + towards * (reach / 2 + spot.get("gap", 0.1)) + along * shift
         wall = other.wall if spot.get("flush") else ""
-        return Thing(name, model, (float(x), float(y), 0.0), wrap_angle(turned), "floor", wall)
+        return PlacedModel(name, model, (float(x), float(y), 0.0), wrap_angle(turned), "floor", wall)
     shares = np.array(spot.get("spot", rng.uniform(-0.85, 0.85, 2))) + rng.uniform(-0.08, 0.08, 2)
     half = np.array(other.model.size[:2]) / 2
     x, y = middle + front * shares[0] * half[0] + left * shares[1] * half[1]
-    placed = Thing(name, model, (float(x), float(y), 0.0), wrap_angle(other.yaw + float(yaw)), other.name)
+    placed = PlacedModel(name, model, (float(x), float(y), 0.0), wrap_angle(other.yaw + float(yaw)), other.name)
     return _let_thing_down(placed, other, top)
 
 
-def _let_thing_down(thing: Thing, carrier: Thing, top: Top) -> Thing | None:
+def _let_thing_down(thing: PlacedModel, carrier: PlacedModel, top: Top) -> PlacedModel | None:
     """The thing on what is beneath it; None: that is not level, or ends there."""
     under = np.array(footprint(thing.box).exterior.coords)[:4]
     middle = under.mean(axis=0)
@@ -225,10 +237,10 @@ def _let_thing_down(thing: Thing, carrier: Thing, top: Top) -> Thing | None:
     if np.isnan(heights).any() or np.ptp(heights) > LEVEL * (5 if carrier.model.kind in SOFT else 1):
         return None
     x, y, _ = thing.position
-    return Thing(thing.name, thing.model, (x, y, float(heights.max())), thing.yaw, thing.support)
+    return PlacedModel(thing.name, thing.model, (x, y, float(heights.max())), thing.yaw, thing.support)
 
 
-def _is_free(thing: Thing, room: Room, tucked: Thing | None) -> bool:
+def _is_free(thing: PlacedModel, room: OpenRoom, tucked: PlacedModel | None) -> bool:
     """Whether it is in the room and in no other thing; a chair may be a little under its table."""
     ours = footprint(thing.box)
     across, deep = room.size

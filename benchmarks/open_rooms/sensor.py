@@ -39,7 +39,7 @@ DEVICES = [
 
 
 @dataclass(frozen=True)
-class Seen:
+class SensorView:
     """True depth along the axis (H, W; 0: nothing), cosine between ray and surface, depth of what is seen through it or
     in it, and the surface's kind."""
 
@@ -49,7 +49,7 @@ class Seen:
     surface: NDArray[np.uint8]
 
 
-def sense_depth(seen: Seen, device: Device, rng: np.random.Generator) -> Floats:
+def sense_depth(seen: SensorView, device: Device, rng: np.random.Generator) -> Floats:
     """Depth (H, W) as the device measures it, metres; 0: unknown."""
     shape = seen.depth.shape
     depth = seen.depth.copy()

@@ -15,11 +15,11 @@ ROOT: list[Path] = []  # the folder that is scored: models are read from it
 
 
 @cache
-def _models(half: str) -> dict[str, packs.Model]:
+def _models(half: str) -> dict[str, packs.PackModel]:
     return {one.id: one for one in packs.models(ROOT[0] / "packs", half)}
 
 
-def find_model(model: str, half: str) -> packs.Model:
+def find_model(model: str, half: str) -> packs.PackModel:
     """A true model of a half, by its id."""
     return _models(half)[model]
 

@@ -8,9 +8,9 @@ import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
 
-from benchmarks.open_rooms.packs import Model, Part
-from benchmarks.open_rooms.rooms import HEIGHT, WALLS, Room, Thing
-from benchmarks.open_rooms.sensor import DARK, GLASS, MATT, MIRROR, Floats, Seen
+from benchmarks.open_rooms.packs import PackModel, PaintedMesh
+from benchmarks.open_rooms.rooms import HEIGHT, WALLS, OpenRoom, PlacedModel
+from benchmarks.open_rooms.sensor import DARK, GLASS, MATT, MIRROR, Floats, SensorView
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 WIDTH, HEIGHT_PX = 640, 480
@@ -21,10 +21,10 @@ OFF = 1e-4
 
 
 @dataclass(frozen=True)
-class Surface:
+class PlacedMesh:
     """A part in the room, of the thing with number `owner` (0: the room itself)."""
 
-    part: Part
+    part: PaintedMesh
     owner: int
     kind: int
 
@@ -45,7 +45,7 @@ def intrinsics(focal: float) -> NDArray[np.float64]:
     return np.array([[focal, 0, (WIDTH - 1) / 2], [0, focal, (HEIGHT_PX - 1) / 2], [0, 0, 1]])
 
 
-def shell(room: Room) -> dict[str, Part]:
+def shell(room: OpenRoom) -> dict[str, PaintedMesh]:
     """Floor, ceiling and the four walls, with uv in metres."""
     x, y = room.size
     corners = {
@@ -61,13 +61,13 @@ def shell(room: Room) -> dict[str, Part]:
         points = np.array(four, dtype=float)
         side, up = np.linalg.norm(points[1] - points[0]), np.linalg.norm(points[3] - points[0])
         uv = np.array([(0, 0), (side, 0), (side, up), (0, up)], dtype=float)
-        parts[name] = Part(points, np.array([(0, 1, 2), (0, 2, 3)]), None, uv, (0.9, 0.9, 0.88), None, 1.0)
+        parts[name] = PaintedMesh(points, np.array([(0, 1, 2), (0, 2, 3)]), None, uv, (0.9, 0.9, 0.88), None, 1.0)
     return parts
 
 
-def in_room(thing: Thing) -> list[Part]:
+def in_room(thing: PlacedModel) -> list[PaintedMesh]:
     """The parts of a thing in its place."""
-    assert isinstance(thing.model, Model)
+    assert isinstance(thing.model, PackModel)
     turn = yaw_matrix(thing.yaw)
     return [
         replace(
@@ -79,11 +79,11 @@ def in_room(thing: Thing) -> list[Part]:
     ]
 
 
-def surfaces(room: Room) -> list[Surface]:
+def surfaces(room: OpenRoom) -> list[PlacedMesh]:
     """All that a camera can see; things are numbered from 1 on in their order, walls follow them, then the floor."""
     count = len(room.things)
     owners = {"floor": count + len(WALLS) + 1} | {wall: count + 1 + k for k, wall in enumerate(WALLS)}
-    found = [Surface(part, owners.get(name, 0), MATT) for name, part in shell(room).items()]
+    found = [PlacedMesh(part, owners.get(name, 0), MATT) for name, part in shell(room).items()]
     for number, thing in enumerate(room.things, 1):
         parts = in_room(thing)
         whole = thing.model.size[1] * thing.model.size[2] if thing.model.kind == "mirror" else np.inf
@@ -98,11 +98,11 @@ def surfaces(room: Room) -> list[Surface]:
                 if dark
                 else MATT
             )
-            found.append(Surface(part, number, kind))
+            found.append(PlacedMesh(part, number, kind))
     return found
 
 
-def _measure_facing_area(part: Part, yaw: float) -> float:
+def _measure_facing_area(part: PaintedMesh, yaw: float) -> float:
     """The area of a part that faces `yaw`: of a mirror its glass, and what it lies on."""
     a, b, c = (part.vertices[part.faces[:, k]] for k in range(3))
     areas = np.cross(b - a, c - a) / 2 @ [np.cos(yaw), np.sin(yaw), 0.0]
@@ -113,7 +113,7 @@ def _measure_facing_area(part: Part, yaw: float) -> float:
 class Caster:
     """Rays against surfaces."""
 
-    surfaces: list[Surface]
+    surfaces: list[PlacedMesh]
 
     @cached_property
     def scene(self) -> o3d.t.geometry.RaycastingScene:
@@ -167,7 +167,7 @@ class Caster:
         return clear
 
 
-def cast_view(caster: Caster, pose: Floats, focal: float) -> tuple[Seen, NDArray[np.uint16]]:
+def cast_view(caster: Caster, pose: Floats, focal: float) -> tuple[SensorView, NDArray[np.uint16]]:
     """What the camera sees, and the owner of every pixel."""
     rows, columns = np.indices((HEIGHT_PX, WIDTH))
     pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1).reshape(-1, 3)
@@ -190,15 +190,15 @@ def cast_view(caster: Caster, pose: Floats, focal: float) -> tuple[Seen, NDArray
         start = origins[at] + directions[at] * depth[at, None] + OFF * onward
         beyond[at] = depth[at] + caster.hits(start, onward)[0]
     shape = (HEIGHT_PX, WIDTH)
-    found = Seen(
+    found = SensorView(
         depth.reshape(shape), cosine.reshape(shape), beyond.reshape(shape), surface.reshape(shape).astype(np.uint8)
     )
     return found, owner.reshape(shape).astype(np.uint16)
 
 
-def top_of(thing: Thing, points: Floats) -> Floats:
+def top_of(thing: PlacedModel, points: Floats) -> Floats:
     """Height of what a thing shows from above at points (N, 2) of the room; NaN beside it."""
-    caster = Caster([Surface(part, 1, MATT) for part in in_room(thing)])
+    caster = Caster([PlacedMesh(part, 1, MATT) for part in in_room(thing)])
     down = np.tile([0.0, 0.0, -1.0], (len(points), 1))
     above = HEIGHT + 1.0
     length, which, _ = caster.hits(np.column_stack([points, np.full(len(points), above)]), down)
@@ -206,7 +206,7 @@ def top_of(thing: Thing, points: Floats) -> Floats:
 
 
 def share_seen(
-    caster: Caster, thing: Thing, number: int, owner: NDArray[np.uint16], pose: Floats, focal: float
+    caster: Caster, thing: PlacedModel, number: int, owner: NDArray[np.uint16], pose: Floats, focal: float
 ) -> float:
     """How much of what would be seen of a thing alone, also beyond the picture's border, is seen."""
     alone = Caster([s for s in caster.surfaces if s.owner == number])

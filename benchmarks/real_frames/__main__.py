@@ -43,7 +43,7 @@ CAMERA = ("612.937", "613.173", "322.549", "248.158")  # fx, fy, cx, cy in pixel
 
 
 @dataclass(frozen=True)
-class Found:
+class FrameThing:
     """A thing of a frame: whether an outline shows it, its first name or one of three is right, it is placed, and its
     cousin is sensible."""
 
@@ -54,7 +54,7 @@ class Found:
     sensible: bool = False
 
 
-def score_frame(name: str, out: Path) -> tuple[list[Found], int]:
+def score_frame(name: str, out: Path) -> tuple[list[FrameThing], int]:
     """The things of a frame that was reconstructed into a folder, and how many were found."""
     truth = NAMES[name]
     exact = np.asarray(cv2.imread(str(HERE / f"{name}.png"), cv2.IMREAD_UNCHANGED), np.uint16)
@@ -70,13 +70,13 @@ def score_frame(name: str, out: Path) -> tuple[list[Found], int]:
     found = []
     for number, sensible in truth.items():
         if (value := pairs.get(int(number))) is None:
-            found.append(Found())
+            found.append(FrameThing())
             continue
         names, placed = said[value]
         right = [name.replace(" ", "_") in sensible for name in names]
         best = cousins.get(ids.get(value, ""), [])
         is_sensible = bool(best) and best[0].category in sensible
-        found.append(Found(True, right[:1] == [True], any(right), placed, is_sensible))
+        found.append(FrameThing(True, right[:1] == [True], any(right), placed, is_sensible))
     return found, len(said)
 
 
@@ -90,7 +90,7 @@ def main() -> None:
     asked = parser.parse_args()
     config = make_config()
     shelf = shelves(asked.library, config)
-    lines, every, stands = [], list[Found](), list[bool]()
+    lines, every, stands = [], list[FrameThing](), list[bool]()
     for rgb in sorted(asked.data.glob("*_color.png")):
         name = rgb.name.removesuffix("_color.png")
         out = asked.out / asked.given / name
@@ -99,7 +99,7 @@ def main() -> None:
             reconstruct(asked.given, rgb, out, config, shelf)
         except StoppedError as stopped:
             print(f"{name}: {stopped}", file=sys.stderr)
-            found, pieces = [Found()] * len(NAMES[name]), 0
+            found, pieces = [FrameThing()] * len(NAMES[name]), 0
         else:
             found, pieces = score_frame(name, out)
             check = read_json(GeneratedScene, out / "geometry" / "scene_1.json").plausibility
@@ -137,9 +137,9 @@ def write_input(given: str, rgb: Path, out: Path, entry: Path) -> None:
         see.run(picture=out / "view", out=entry)
 
 
-def count(found: list[Found]) -> list[str]:
+def count(found: list[FrameThing]) -> list[str]:
     """Of how many things each is so."""
-    return [f"{sum(getattr(one, what) for one in found)} / {len(found)}" for what in Found.__dataclass_fields__]
+    return [f"{sum(getattr(one, what) for one in found)} / {len(found)}" for what in FrameThing.__dataclass_fields__]
 
 
 if __name__ == "__main__":

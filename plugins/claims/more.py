@@ -1,7 +1,4 @@
-"""Additions to Table 3: success over unseen assets, claims, stability of training, panels of Figure 4.
-
-Upper panels of Figure 4: success on every unseen asset, against what it looks like.
-"""
+"""Additions to Table 3: success on unseen assets and upper panels of Figure 4, claims, stability of training."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,7 +15,7 @@ from roomkin.plugins.claims.trainings import failed_note, read_trainings
 from roomkin.stages.config.tables import PolicyTables, TablesConfig
 from roomkin.stages.tables.cells import ROW, rates
 from roomkin.stages.tables.figures import Panels, Row, color, draw_rates, mark_not_run, marker, of_row, rate_axis
-from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.markup import TextTable
 from roomkin.stages.tables.methods import Kinds, kinds_of
 from roomkin.stages.tables.order import SKILL, row_title, set_key
 from roomkin.stages.tables.policies import More, PolicyResults
@@ -105,14 +102,14 @@ def collect(found: PolicyResults, options: PolicyTables) -> MoreResults:
     )
 
 
-def asset_tables(more: MoreResults, options: PolicyTables, kinds: Kinds, notes: list[str]) -> list[Table]:
+def asset_tables(more: MoreResults, options: PolicyTables, kinds: Kinds, notes: list[str]) -> list[TextTable]:
     """The tables over sets of unseen assets; none if there are no such rows."""
     if more.assets.empty:
         return []
     return [tables.assets_table(more.assets, options, kinds, notes), tables.by_handle_table(more.by_handle, options)]
 
 
-def target_tables(rollouts: pd.DataFrame, options: PolicyTables, kinds: Kinds) -> list[Table]:
+def target_tables(rollouts: pd.DataFrame, options: PolicyTables, kinds: Kinds) -> list[TextTable]:
     """The table over unseen assets for the targets of pools, each for itself; `rollouts` as `read_rollouts` has it."""
     alone = rollouts[rollouts["target"].isin([name for names in options.pools.values() for name in names])]
     built = assets.build(alone, options, first_policies(alone, options.model_copy(update={"pools": {}})))
@@ -122,7 +119,7 @@ def target_tables(rollouts: pd.DataFrame, options: PolicyTables, kinds: Kinds) -
     return [replace(table, name="assets_by_target", caption=f"{table.caption[:-1]}, target by target.")]
 
 
-def claim_tables(more: MoreResults, options: PolicyTables) -> list[Table]:
+def claim_tables(more: MoreResults, options: PolicyTables) -> list[TextTable]:
     """The claims, the stability of training."""
     found = [tables.claims_table(more.claims, options)] if len(more.claims) else []
     return found + ([tables.stability_table(more.stability)] if len(more.stability) else [])

@@ -9,7 +9,7 @@ from roomkin.plugins.claims import power
 from roomkin.plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts.errors import count
-from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.markup import TextTable, read_notes
 from roomkin.stages.tables.methods import Kinds
 from roomkin.stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
 from roomkin.stages.tables.rows import records
@@ -78,11 +78,11 @@ def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]
 
 def assets_table(
     table: pd.DataFrame, options: TablesConfig, kinds: Kinds | None = None, notes: Sequence[str] = ()
-) -> Table:
+) -> TextTable:
     """Success over unseen assets; `table` as `assets.build` gives, `kinds` as `kinds_of`, `notes` as `policy_notes`."""
     sets = sorted({*table["training_set"]} - {SKILL}, key=set_key) or [BASELINE]
     groups = [group for _, group in table.groupby(["target", "test_asset"], sort=False)]
-    return Table(
+    return TextTable(
         name="assets",
         caption="Success over unseen assets by kind of policy (rows) and training set (columns), [intervals].",
         columns=["Assets", "Policies", *(title(name) for name in sets)],
@@ -92,7 +92,7 @@ def assets_table(
     )
 
 
-def by_handle_table(table: pd.DataFrame, options: TablesConfig) -> Table:
+def by_handle_table(table: pd.DataFrame, options: TablesConfig) -> TextTable:
     """The same by kind and length of the handle; `table` as `assets.by_handle` gives."""
     skill, sets = table["training_set"] == SKILL, sorted({*table["training_set"]}, key=set_key)
     policy_of = table.drop_duplicates("target").set_index("target")["policy"]
@@ -102,7 +102,7 @@ def by_handle_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         first = next(iter(line.values()))
         head = [cell(row_title(first), title(split)), cell(handle, f"n = {first['assets']}")]
         rows.append(_side_by_side(head, line, sets, _rate))
-    return Table(
+    return TextTable(
         name="assets_by_handle",
         caption="Success over unseen assets, by kind and length of the handle.",
         columns=["Policy", "Handle", *(title(name) for name in sets)],
@@ -166,7 +166,7 @@ def evidence(row: dict[str, Any]) -> str:
     return points(row["difference"]) + (f" {interval(row)}" if pd.notna(row["low"]) else "")
 
 
-def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
+def claims_table(table: pd.DataFrame, options: TablesConfig) -> TextTable:
     """The paper's claims with the verdicts of this run; `table` as `claims.answer` gives."""
     rows = []
     for row in records(table):
@@ -181,7 +181,7 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             f"{row['runs']} against {row['baseline_runs']}",
         )
         rows.append([row_title(row), claim_sentence(row), verdict, difference, _describe_judged(row), runs])
-    return Table(
+    return TextTable(
         name="table3_claims",
         caption="Claims about policies (the paper's, and cousins against a randomised twin), and what rollouts say.",
         columns=["Policy", "Claim", "Verdict", "Difference", "Judged over", "Runs"],
@@ -200,7 +200,7 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
     )
 
 
-def stability_table(table: pd.DataFrame) -> Table:
+def stability_table(table: pd.DataFrame) -> TextTable:
     """How many runs collapsed and how runs differ; `table` as `claims.stability` gives."""
     rows = []
     for row in records(table):
@@ -211,7 +211,7 @@ def stability_table(table: pd.DataFrame) -> Table:
         known = pd.notna(row["published_runs"])
         paper = f"{row['published_collapsed']} of {row['published_runs']}" if known else ""
         rows.append([row_title(row), title(row["training_set"]), cell(collapsed, "", paper), cell(ours, "", theirs)])
-    return Table(
+    return TextTable(
         name="table3_stability",
         caption="Stability of training: collapsed runs, and spread over runs.",
         columns=["Policy", "Training set", "Collapsed runs", "Spread over runs"],

@@ -13,7 +13,7 @@ from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.trained import TrainedPolicy
 from roomkin.stages.plugins import shorten_name
 from roomkin.stages.tables.cells import in_order
-from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.markup import TextTable, read_notes
 from roomkin.stages.tables.order import row_title, title
 from roomkin.stages.tables.rows import read_table, records
 from roomkin.stages.tables.text import NOTHING, cell, number
@@ -122,10 +122,10 @@ def _cells(group: pd.DataFrame) -> list[str]:
     return [cell(number(losses.median(), 2), ends), *errors, "\n".join(phrases)]
 
 
-def trainings_table(table: pd.DataFrame) -> Table:
+def trainings_table(table: pd.DataFrame) -> TextTable:
     """A row per training set and hyper-parameter set; `table` as `collect` gives."""
     groups = table.groupby([*ALIKE, "training_set"], sort=False)
-    return Table(
+    return TextTable(
         name="trainings",
         caption="Trainings: what they reached on validation episodes, and which failed.",
         columns=["Policy", "Hyper-parameters", "Training set", "Validation loss", "Error", "Constant action", "Failed"],

@@ -1,7 +1,4 @@
-"""How large real things are where our models vary less: a size beyond both is unusual (`Category.real`).
-
-Command `facts`: what others know of the categories here without making a model of one.
-"""
+"""Command `facts`: what others know of the categories without making a model; how large real things are beyond ours."""
 
 import json
 from collections.abc import Mapping
@@ -10,7 +7,7 @@ from roomkin.plugins.furniture.catalogue import ALL, CATEGORIES, has_fronts, lea
 from roomkin.plugins.furniture.category import Category
 from roomkin.stages.config import categories as counts
 from roomkin.stages.contracts import categories
-from roomkin.stages.contracts.category import Category as Row
+from roomkin.stages.contracts.category import CategoryFacts
 from roomkin.stages.contracts.files import write_text
 
 # Depth, width and height, metres, of things between which the others lie.
@@ -42,14 +39,14 @@ REAL_SIZES: Mapping[str, tuple[tuple[float, float, float], ...]] = {
 SAMPLES = 8  # models of a category that say how large it usually is: more than have templates
 
 
-def describe_category(record: Category) -> Row:
+def describe_category(record: Category) -> CategoryFacts:
     """The row of a category."""
     doors, flaps = leaves(record.name)
 
     def sizes(numbers: range) -> list[list[float]]:
         return [list(sample(record.name, number, 0).parameters["size"]) for number in numbers]  # type: ignore[arg-type]
 
-    return Row.model_validate(
+    return CategoryFacts.model_validate(
         {
             "name": record.name,
             "names": _split(record.names),

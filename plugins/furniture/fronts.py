@@ -1,11 +1,4 @@
-"""The front of a cabinet: handles, cells, and the recipe that names them.
-
-Handles that a parallel gripper can hold: 8-16 mm thick, standing out far enough for a finger on either side.
-
-Divide a front into cells: columns of cells, or rows of cells, of doors, drawers, open shelves...
-
-The recipe of a cabinet: what the generator can be asked for, with units and bounds.
-"""
+"""The front of a cabinet: divided into cells of doors, drawers and shelves, with handles that a gripper can hold."""
 
 from typing import Annotated, Literal, NamedTuple
 
@@ -13,9 +6,10 @@ import numpy as np
 from pydantic import Field
 
 from roomkin.plugins.furniture.colors import METALS, WOODS
+from roomkin.plugins.furniture.fields import between, chance, fixed, of, one_of, whole, zero_or
 from roomkin.plugins.furniture.finishes import Surface
 from roomkin.plugins.furniture.model import METAL, WOOD, Part, part
-from roomkin.plugins.furniture.recipe import Coating, Generator, between, chance, fixed, of, one_of, whole, zero_or
+from roomkin.plugins.furniture.recipe import Coating, Generator
 from roomkin.plugins.furniture.shapes import hull, lathe, rod, rotate, slab, translate
 from roomkin.stages.contracts.library import HandleKind, Placement
 

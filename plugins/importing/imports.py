@@ -16,7 +16,7 @@ from roomkin.plugins.importing.discover import WHOLE, Given, discover
 from roomkin.plugins.importing.fronts import align_to_axes, doors_and_drawers, front_direction
 from roomkin.plugins.importing.hinges import shut_where_smallest
 from roomkin.plugins.importing.importers import IMPORTERS, Axis, Importer
-from roomkin.plugins.importing.proposal import Proposal
+from roomkin.plugins.importing.proposal import ProposedFile
 from roomkin.plugins.importing.repairs import (
     find_touching_links,
     repair_inertias,
@@ -43,7 +43,7 @@ from roomkin.stages.geometry.solids import board_mass
 from roomkin.stages.plugins import load, shorten_name
 
 
-class Notes(Proposal):
+class Notes(ProposedFile):
     """Optional `asset.json` beside an imported model: what its geometry does not tell."""
 
     category: str | None = Field(None, description="default: the name of the folder")

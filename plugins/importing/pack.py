@@ -7,7 +7,7 @@ import yaml
 from pydantic import ValidationError
 
 from roomkin.plugins.importing.evidence import Shared
-from roomkin.plugins.importing.proposal import Proposal
+from roomkin.plugins.importing.proposal import ProposedFile
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.errors import InputError, fault_of, line_of
 from roomkin.stages.contracts.files import read_text, write_text
@@ -18,7 +18,7 @@ HEAD = """\
 """
 
 
-class Pack(Proposal):
+class Pack(ProposedFile):
     """By suffix, what the models of a kind of file share; and the category for what their names say."""
 
     kinds: dict[str, Shared] = {}

@@ -8,7 +8,7 @@ from pydantic import Field
 from roomkin.stages.contracts.files import Contract
 
 
-class Proposal(Contract):
+class ProposedFile(Contract):
     """A file that `import` proposes; it knows whether a person changed it."""
 
     guess: str | None = Field(None, description="digest of what `import` wrote; what was changed by hand counts")

@@ -31,7 +31,7 @@ from roomkin.stages.contracts.generated import measure_place_sureness, measure_s
 from roomkin.stages.contracts.library import Library
 from roomkin.stages.tables import policy_tables, scene_tables, table2
 from roomkin.stages.tables.cells import CELL, RATE
-from roomkin.stages.tables.markup import Table, environment
+from roomkin.stages.tables.markup import TextTable, environment
 from roomkin.stages.tables.methods import join_published, kinds_of
 from roomkin.stages.tables.order import title as title_of
 from roomkin.stages.tables.policy_tables import policy_notes
@@ -98,7 +98,7 @@ def _tables(files: RunFiles, published: Path, options: PolicyTables) -> dict[str
     notes = [*policy_notes(options), *failed_note(trainings)]
     trained = [trainings_table(trainings)] if len(trainings) else []
 
-    def table(form: Callable[..., Table], name: str, *more: Any) -> list[Table]:
+    def table(form: Callable[..., TextTable], name: str, *more: Any) -> list[TextTable]:
         return [form(frames[name], *more)] if name in frames else []
 
     judged, cells = frames.get("table3_claims"), frames.get("table3_cells")

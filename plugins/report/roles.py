@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
 from roomkin.stages.contracts.policy_config import DRAW, DRAWN, RANDOMISED, SetName, is_set, read_set, strip_randomised
-from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.markup import TextTable, read_notes
 from roomkin.stages.tables.order import title
 from roomkin.stages.tables.text import cell, number
 
@@ -41,7 +41,7 @@ def list_demonstrated_assets(chosen: TaskAssets, roles: Iterable[str]) -> list[T
     return [*(known[name] for name in names if name in known), *(chosen.all_assets if "all" in names else [])]
 
 
-def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, caption: str) -> Table:
+def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, caption: str) -> TextTable:
     """A row per role; `demonstrated`: roles on which demonstrations are collected, `all` for all of `all_assets`."""
     roles = set(demonstrated)
     handles = {handle_kind(asset) for asset in list_demonstrated_assets(chosen, roles)}
@@ -59,7 +59,7 @@ def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, capt
                 ", ".join(used) or "no", "yes" if handle_kind(asset) in handles else "no",
             ]
         )  # fmt: skip
-    return Table(
+    return TextTable(
         name=name,
         caption=caption,
         columns=["Role", "Model", "Family", "Distance", "Handle", "Panel", "Demonstrated", "Handle known"],
@@ -68,7 +68,7 @@ def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, capt
     )
 
 
-def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
+def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[TextTable]:
     """The sets of assets by kind of handle; nothing if there are none."""
     lists = {
         "all assets": chosen.all_assets,
@@ -85,4 +85,6 @@ def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
             families = len({asset.family for asset in assets})
             rows.append([heading, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
     columns = ["Set", "Assets", "Families", "By kind of handle", "Length of handles"]
-    return [Table(name, caption, columns, rows, notes=read_notes("lists", "roomkin.plugins.report"))] if rows else []
+    return (
+        [TextTable(name, caption, columns, rows, notes=read_notes("lists", "roomkin.plugins.report"))] if rows else []
+    )

@@ -7,7 +7,7 @@ import pandas as pd
 
 from roomkin.plugins.robustness.rows import build
 from roomkin.stages.contracts.policies import SceneScore
-from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.markup import TextTable, read_notes
 from roomkin.stages.tables.order import title
 from roomkin.stages.tables.rows import ONE_SCENE, read_rows, records
 from roomkin.stages.tables.scene_tables import add_given, digits
@@ -19,7 +19,7 @@ ROBUST = ["l2_cm", "worst_room_l2_cm", "orientation_rad", "oriented_iou", "falle
 ROBUST += ["penetration_cm", "chamfer", "shape_iou"]
 
 
-def robustness_table(table: pd.DataFrame) -> Table:
+def robustness_table(table: pd.DataFrame) -> TextTable:
     """The companion of Table 2: the robustness variants of the rooms."""
     columns = ["Rooms", "Variant", "Judge", "Draws × objects", "Category", "Model", "L2 (cm)", "L2, worst room",
                "Ori. (rad)", "Oriented IoU", "Fallen", "Largest shift (cm)", "Penetration (cm)", "Chamfer (%)",
@@ -37,7 +37,7 @@ def robustness_table(table: pd.DataFrame) -> Table:
         panels = ", ".join(_format_draws(row, name) for name in AFFORDANCES)
         cells.append(cell(panels if row["n_articulated"] else NOTHING, f"of {row['n_articulated']}"))
         rows.append([*head, *cells])
-    return Table(
+    return TextTable(
         name="table2_robustness",
         caption="Beside Table 2: robustness variants of the same rooms.",
         columns=columns,

@@ -1,7 +1,4 @@
-"""Random variants of a room: places, camera, colors and models are sampled until every object is seen well.
-
-Place the camera at the least distance from which it sees all objects.
-"""
+"""Random variants of a room: sampled until the camera, at the least distance, sees every object well."""
 
 import colorsys
 import zlib
@@ -24,7 +21,7 @@ from roomkin.plugins.scenes.recipe import (
     Item,
     On,
     Place,
-    Room,
+    RoomPlan,
     WallName,
 )
 from roomkin.stages.contracts import Asset, InputError
@@ -90,7 +87,7 @@ MIRRORED: dict[WallName, WallName] = {"back": "back", "left": "right", "right": 
 Rng = np.random.Generator
 
 
-def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, options: ScenesConfig) -> CastRoom:
+def draw_room(room: RoomPlan, models: dict[str, Asset], seed: int, library: Path, options: ScenesConfig) -> CastRoom:
     """A furnished room like `room`; its models come from the whole library, whatever stands in other rooms.
 
     Things move the less the more attempts have failed.
@@ -115,7 +112,7 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
     )
 
 
-def redraw_recipe(room: Room, rng: Rng, reach: float = 1.0) -> Room:
+def redraw_recipe(room: RoomPlan, rng: Rng, reach: float = 1.0) -> RoomPlan:
     """The recipe, perhaps mirrored, with everything moved by up to `reach` of what is allowed."""
     mirror = bool(rng.random() < 0.5)
     items = tuple(_move_item(_mirror_item(item) if mirror else item, rng, reach) for item in room.items)

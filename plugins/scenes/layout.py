@@ -1,9 +1,4 @@
-"""Models for all objects of a room, and their poses (paper B.1).
-
-Poses follow from the recipe and the sizes of the models, stretched to the scale of the room.
-
-Choose a model for every item of the rooms by seed; no model stands in two rooms (paper B.1).
-"""
+"""Models for all items of a room, none of them in two rooms, and their poses at the room's scale (paper B.1)."""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -16,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from shapely import Polygon
 
-from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Hung, Item, Room, WallName
+from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Hung, Item, RoomPlan, WallName
 from roomkin.stages.contracts import Asset, InputError
 from roomkin.stages.geometry.boxes import UprightBox, footprint
 from roomkin.stages.geometry.frames import yaw_matrix
@@ -56,7 +51,7 @@ def _place_at_wall(wall: WallName, along: float, away: float, z: float, half_wid
     return np.array([along, away - half_width if wall == "left" else half_width - away, z])
 
 
-def _place(item: Item, size: Size, room: Room, done: Mapping[str, PlacedItem], stretch: float) -> PlacedItem:
+def _place(item: Item, size: Size, room: RoomPlan, done: Mapping[str, PlacedItem], stretch: float) -> PlacedItem:
     depth, _, height = size
     half_width = room.half_width * stretch
     place, support = item.place, "floor"
@@ -85,7 +80,7 @@ def _turn_extent(size: Size, yaw: float) -> NDArray[np.float64]:
     return np.array([c * size[0] + s * size[1], s * size[0] + c * size[1]])
 
 
-def _place_beside(place: Beside, size: Size, room: Room, done: Mapping[str, PlacedItem], stretch: float) -> Against:
+def _place_beside(place: Beside, size: Size, room: RoomPlan, done: Mapping[str, PlacedItem], stretch: float) -> Against:
     """The same wall, next to the other item. Facing a side wall, `right` runs along -x (left wall) or +x."""
     other = done[place.beside]
     wall = next(name for name, yaw in WALL_YAW.items() if np.isclose(yaw, other.box.yaw))
@@ -96,7 +91,7 @@ def _place_beside(place: Beside, size: Size, room: Room, done: Mapping[str, Plac
     return Against(against=wall, along=along)
 
 
-def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> FurnishedRoom:
+def place_all(room: RoomPlan, sizes: Mapping[str, Size], stretch: float) -> FurnishedRoom:
     """Every item at one stretch of the room; items come after those they refer to."""
     done: dict[str, PlacedItem] = {}
     for item in room.items:
@@ -104,7 +99,7 @@ def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> Furnishe
     return FurnishedRoom(done, room.half_width * stretch)
 
 
-def arrange(room: Room, sizes: Mapping[str, Size]) -> FurnishedRoom | None:
+def arrange(room: RoomPlan, sizes: Mapping[str, Size]) -> FurnishedRoom | None:
     """The room stretched so that its scale is exact; None if these models do not fit into it."""
 
     def measure_excess(stretch: float) -> float:
@@ -117,7 +112,7 @@ def arrange(room: Room, sizes: Mapping[str, Size]) -> FurnishedRoom | None:
     return layout if is_valid_layout(layout, room) else None
 
 
-def is_valid_layout(layout: FurnishedRoom, room: Room) -> bool:
+def is_valid_layout(layout: FurnishedRoom, room: RoomPlan) -> bool:
     """No two boxes overlap, all are inside the room, and what lies on something lies on it wholly."""
     standing = list(layout.standing.values())
     plans = {one.item.name: footprint(one.box) for one in standing}
@@ -145,7 +140,7 @@ SALT = 0x5CE7E  # keeps this draw apart from others with the same seed
 class CastRoom:
     """A room with its models (by item name) and their places."""
 
-    room: Room
+    room: RoomPlan
     layout: FurnishedRoom
     assets: dict[str, Asset]
 
@@ -156,7 +151,7 @@ def templates(models: dict[str, Asset]) -> set[str]:
 
 
 def choose_models(
-    room: Room, models: dict[str, Asset], free: set[str], rng: np.random.Generator, library: Path
+    room: RoomPlan, models: dict[str, Asset], free: set[str], rng: np.random.Generator, library: Path
 ) -> dict[str, Asset]:
     """One model per item, all different, by the item's name.
 
@@ -177,7 +172,7 @@ def choose_models(
     return chosen
 
 
-def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Path) -> dict[str, CastRoom]:
+def cast(rooms: Sequence[RoomPlan], models: dict[str, Asset], seed: int, library: Path) -> dict[str, CastRoom]:
     """Models and layout of every room, by the room's name.
 
     A room's cast depends on the rooms before it, never on those after it: jobs for single rooms agree. Near relatives
@@ -205,7 +200,7 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
 
 
 def cast_room(
-    room: Room, models: dict[str, Asset], able: set[str], rng: np.random.Generator, library: Path
+    room: RoomPlan, models: dict[str, Asset], able: set[str], rng: np.random.Generator, library: Path
 ) -> CastRoom | None:
     """The room with models of those `able` to play, by chance; None if no choice of many fits its layout."""
     for _ in range(ATTEMPTS):

@@ -1,7 +1,4 @@
-"""Build a cast room in the simulator and take its picture.
-
-Robustness variant of a room: other colors, light and model sizes (perturbation `recoloured`).
-"""
+"""Build a cast room in the simulator, as it is or in other colors, light and sizes, and take its picture."""
 
 import zlib
 from collections.abc import Mapping
@@ -16,7 +13,7 @@ from numpy.typing import NDArray
 from roomkin.plugins.scenes.chance import colors
 from roomkin.plugins.scenes.config import ScenesConfig
 from roomkin.plugins.scenes.layout import ATTEMPTS, CastRoom, arrange
-from roomkin.plugins.scenes.recipe import Room
+from roomkin.plugins.scenes.recipe import RoomPlan
 from roomkin.stages.articulated.asset_folder import write_asset
 from roomkin.stages.articulated.resizing import load_maker, resize_model
 from roomkin.stages.contracts import Asset, InputError
@@ -98,7 +95,9 @@ class Photograph:
     masks: NDArray[np.uint16]
 
 
-def _shell(scene: sapien.Scene, room: Room, half_width: float, length: float, seed: int) -> list[list[sapien.Entity]]:
+def _shell(
+    scene: sapien.Scene, room: RoomPlan, half_width: float, length: float, seed: int
+) -> list[list[sapien.Entity]]:
     """Floor (of planks) and the room's walls, each a list of its blocks."""
     rng = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(room.name.encode()))))
     left = -half_width if "left" in room.walls else -half_width - AROUND_FURNITURE

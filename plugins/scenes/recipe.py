@@ -129,7 +129,7 @@ class CameraStand(RecipePart):
     fov: Annotated[float, Field(gt=10, lt=120)] = 50.0
 
 
-class Room(RecipePart):
+class RoomPlan(RecipePart):
     """A room of Table 2, or one of a user's."""
 
     name: str = Field(description="that of the file")
@@ -142,7 +142,7 @@ class Room(RecipePart):
     floor_colour: Color = (0.62, 0.45, 0.30)
 
     @model_validator(mode="after")
-    def _check_items(self) -> "Room":
+    def _check_items(self) -> "RoomPlan":
         before: dict[str, Item] = {}
         for item in self.items:
             place = item.place

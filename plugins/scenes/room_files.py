@@ -8,7 +8,7 @@ from pathlib import Path
 import yaml
 from pydantic import ValidationError
 
-from roomkin.plugins.scenes.recipe import Room
+from roomkin.plugins.scenes.recipe import RoomPlan
 from roomkin.stages.config.categories import CATEGORIES, Known
 from roomkin.stages.contracts.errors import InputError, fault_of, first_error, line_of
 from roomkin.stages.contracts.files import read_text
@@ -49,7 +49,7 @@ def recipe_digest(path: Path | None) -> str:
     return sha256(b"\0".join(file.read_bytes() for file in used)).hexdigest()[:12]
 
 
-def read_room(path: Path) -> Room:
+def read_room(path: Path) -> RoomPlan:
     """The room of a YAML file.
 
     Raises:
@@ -64,7 +64,7 @@ def read_room(path: Path) -> Room:
         fault = "is no room: it needs keys like scale and items; its name is that of the file."
         raise InputError(path, fault, fix, code="E-ROOM-FILE")
     try:
-        return Room.model_validate({"name": path.stem, **content})
+        return RoomPlan.model_validate({"name": path.stem, **content})
     except ValidationError as error:
         raise InputError(path, f"is no room: {first_error(error)}.", fix, code="E-ROOM-FILE") from None
 

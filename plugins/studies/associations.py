@@ -13,7 +13,7 @@ from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.policies import TaskAsset
 from roomkin.stages.tables.cells import ROW, in_order
 from roomkin.stages.tables.intervals import PLACE, place_weights, quantiles
-from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.markup import TextTable
 from roomkin.stages.tables.order import SKILL, row_title, set_key, title
 from roomkin.stages.tables.rows import records
 from roomkin.stages.tables.text import cell
@@ -108,7 +108,7 @@ def format_signed(value: float) -> str:
     return f"{value:+.2f}".replace("-", "−")
 
 
-def associations_table(table: pd.DataFrame) -> Table:
+def associations_table(table: pd.DataFrame) -> TextTable:
     """The rows as text: a row per target, policy and trait, a column per training set."""
     sets = sorted(table["training_set"].unique(), key=set_key)
     rows = []
@@ -116,7 +116,7 @@ def associations_table(table: pd.DataFrame) -> Table:
         line = {row["training_set"]: row for row in records(part)}
         texts = [cell(format_signed(line[n]["correlation"]), _remark(line[n])) if n in line else "" for n in sets]
         rows.append([row_title(records(part)[0]), TRAITS[str(trait)], *texts])
-    return Table(
+    return TextTable(
         "associations",
         "Which unseen assets are opened: Spearman's correlation of success with what is known of an asset.",
         ["Task", "Success against", *map(title, sets)],

@@ -11,7 +11,7 @@ from roomkin.stages.config.tables import MethodTables, TablesConfig
 from roomkin.stages.contracts.errors import InputError, count
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.tables.cells import CELL, in_order, rates, tabulate_gains
-from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.markup import TextTable
 from roomkin.stages.tables.methods import read_pooled
 from roomkin.stages.tables.order import SKILL, row_title, title
 from roomkin.stages.tables.rows import records
@@ -84,7 +84,7 @@ def against_baselines(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataF
     return pd.concat(parts, ignore_index=True)
 
 
-def baselines_table(table: pd.DataFrame) -> Table:
+def baselines_table(table: pd.DataFrame) -> TextTable:
     """The rows of `against_baselines` as text."""
     rows = []
     for row in records(table):
@@ -92,7 +92,7 @@ def baselines_table(table: pd.DataFrame) -> Table:
         gain = cell(points(row["difference"]), f"[{span(row['low'], row['high'])}] {runs}")
         names = (row[name] for name in ("test_asset", "training_set", "baseline", "condition"))
         rows.append([row_title(row), *map(title, names), gain])
-    return Table(
+    return TextTable(
         "gains_under_conditions",
         "What a training set gains over a baseline, under each condition",
         ["policy", "tested on", "trained on", "minus", "condition", "difference"],
@@ -102,7 +102,7 @@ def baselines_table(table: pd.DataFrame) -> Table:
     )
 
 
-def conditions_table(table: pd.DataFrame) -> Table:
+def conditions_table(table: pd.DataFrame) -> TextTable:
     """The rows as text."""
     rows = []
     for row in records(table):
@@ -113,7 +113,7 @@ def conditions_table(table: pd.DataFrame) -> Table:
             difference = cell(points(row["difference"]), f"[{between}]")
         names = (row[name] for name in ("test_asset", "training_set", "condition"))
         rows.append([row_title(row), *map(title, names), cell(percent(row["mean"]), remark), difference])
-    return Table(
+    return TextTable(
         "conditions",
         "Success under other conditions: mean over assets, 95 % interval over assets, states and runs",
         ["policy", "tested on", "trained on", "condition", "success", "minus usual"],

@@ -35,7 +35,7 @@ from roomkin.stages.contracts.policy_config import is_randomised
 from roomkin.stages.tables import policy_tables as table3_text
 from roomkin.stages.tables import table2, table3
 from roomkin.stages.tables.figures import figure6, save, style
-from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.markup import TextTable
 from roomkin.stages.tables.methods import kinds_of, pool_of, pool_rollouts, read_pooled, read_rollouts
 from roomkin.stages.tables.order import SKILL, SPLITS, target_title, title
 from roomkin.stages.tables.policies import collect, write_figures
@@ -53,7 +53,7 @@ class StudyResults(NamedTuple):
 
     title: str
     facts: list[tuple[str, str]]
-    tables: list[Table]
+    tables: list[TextTable]
     frames: dict[str, pd.DataFrame]
     figures: dict[str, str]
 
@@ -91,7 +91,7 @@ def list_cells(config: Config) -> pd.DataFrame:
     return pd.DataFrame(cells, columns=[*table3.CELL, "task", "cloud"]).drop_duplicates()
 
 
-def _tabulate_trials(config: Config, results: Path) -> list[Table]:
+def _tabulate_trials(config: Config, results: Path) -> list[TextTable]:
     """The selection rollouts of the policy configs; nothing if there were none."""
     rows = []
     for cell in config.experiment.cells:
@@ -102,7 +102,7 @@ def _tabulate_trials(config: Config, results: Path) -> list[Table]:
             name = f"{target_title(cell.target, config.experiment.task(cell.target))}, {cell.policy}"
             rows.append([name, title(cell.training_set), ", ".join(chosen.runs), scores])
     columns = ["Policy", "Training set", "Chosen", "Trials on the twin (best checkpoint of the first seed)"]
-    return [Table("chosen", "Hyper-parameter sets chosen by trials.", columns, rows, headers=2)] if rows else []
+    return [TextTable("chosen", "Hyper-parameter sets chosen by trials.", columns, rows, headers=2)] if rows else []
 
 
 def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.DataFrame:
@@ -125,7 +125,7 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
     return pd.concat(parts, ignore_index=True) if parts else rollouts[:0]
 
 
-def _tabulate_conditions(config: Config, results: Path, usual: pd.DataFrame) -> list[Table]:
+def _tabulate_conditions(config: Config, results: Path, usual: pd.DataFrame) -> list[TextTable]:
     """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was tested."""
     found, options = (
         {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions},

@@ -1,7 +1,4 @@
-"""The parts of a study's page: facts about the run, its tables in Markdown, what it cost.
-
-How far a study has come: policies that were rolled out, of those that it asks for.
-"""
+"""A study's page: how far the study has come, facts about the run, its tables in Markdown, what it cost."""
 
 import os
 from collections.abc import Iterable
@@ -18,7 +15,7 @@ from roomkin.stages.config.targets import Cell
 from roomkin.stages.config.training import policy_tables
 from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.policies import ChosenRuns
-from roomkin.stages.tables.markup import Table, markdown
+from roomkin.stages.tables.markup import TextTable, markdown
 from roomkin.stages.tables.methods import pool_of
 from roomkin.stages.tables.order import row_title, set_key, title
 from roomkin.stages.tables.text import NOT_RUN
@@ -26,7 +23,7 @@ from roomkin.stages.tables.text import NOT_RUN
 FOLDED = 15  # rows; a longer table is closed until it is clicked
 
 
-def cost(benchmarks: Path, stages: list[str]) -> Table:
+def cost(benchmarks: Path, stages: list[str]) -> TextTable:
     """Hours by stage."""
     return times_table(by_stage(read_jobs(benchmarks.glob("*/*.tsv"), benchmarks), stages))
 
@@ -48,7 +45,7 @@ def facts(target: str, configs: tuple[Path, ...], commit: str, machine: str, abo
     return "\n".join(f"* {name}: {text}" for name, text in known if text) + "\n"
 
 
-def fold_table(table: Table) -> str:
+def fold_table(table: TextTable) -> str:
     """The table in Markdown; a long one is closed until it is clicked."""
     text = markdown(table)
     if len(table.rows) <= FOLDED:
@@ -58,7 +55,7 @@ def fold_table(table: Table) -> str:
     return "\n\n".join([caption, summary, rows, "</details>", notes])
 
 
-def split_totals(table: Table) -> list[Table]:
+def split_totals(table: TextTable) -> list[TextTable]:
     """Table 2 in two: the totals over all rooms, then room by room."""
     totals = [row for row in table.rows if row[0] == "total"]
     if not totals:
@@ -83,7 +80,7 @@ def list_counting_runs(config: Config, results: Path, cell: Cell) -> list[str]:
     return read_json(ChosenRuns, path).runs if chose else config.experiment.plan(cell.policy).configs
 
 
-def progress_table(config: Config, results: Path) -> Table:
+def progress_table(config: Config, results: Path) -> TextTable:
     """A row per target (or pool), policy and condition, a column per training set: policies tested on all targets."""
     experiment = config.experiment
     pools = pool_of(policy_tables(config), experiment.targets)
@@ -110,7 +107,7 @@ def progress_table(config: Config, results: Path) -> Table:
             name = row_title({"target": target, "task": tasks[str(target)], "policy": policy})
             rows.append([name, title(str(condition)), *(texts.get(each, "") for each in sets)])
     lacking = [title(name) for name in config.evaluation.conditions if name not in tested]
-    return Table(
+    return TextTable(
         "progress",
         "Policies that were rolled out, of those that are asked for.",
         ["Policy", "Condition", *map(title, sets)],

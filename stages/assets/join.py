@@ -5,7 +5,7 @@ from itertools import chain
 from pathlib import Path
 
 from roomkin.stages.contracts.categories import known_categories
-from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.category import CategoryFacts
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_json, write_json
 from roomkin.stages.contracts.library import Library, LibraryEntry, LibraryPart
@@ -42,13 +42,13 @@ def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> 
     write_json(out, Library(assets=entries, left_out=left_out, categories=merge_categories(parts.values(), entries)))
 
 
-def merge_categories(parts: Iterable[LibraryPart], entries: list[LibraryEntry]) -> list[Category]:
+def merge_categories(parts: Iterable[LibraryPart], entries: list[LibraryEntry]) -> list[CategoryFacts]:
     """What is known of categories, in order of name: all that everybody knows or an index says, and others by the sizes
     of their models."""
     known = dict(known_categories())
     for name in {entry.category for entry in entries} - set(known):
         sizes = [entry.size for entry in entries if entry.category == name and entry.size is not None]
-        known[name] = Category(name=name, sizes=sizes)
+        known[name] = CategoryFacts(name=name, sizes=sizes)
     known |= {row.name: row for part in parts for row in part.categories}
     return [known[name] for name in sorted(known)]
 

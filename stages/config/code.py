@@ -1,7 +1,4 @@
-"""A digest of the code behind a module, so that Snakemake re-runs what an edit touches and nothing else.
-
-The provenance of a file, to be kept in it: the same code, options, inputs and seed give the same bytes.
-"""
+"""The provenance of a file: digests of inputs and of the code behind a module: an edit re-runs what it touches."""
 
 import ast
 import hashlib
@@ -105,7 +102,8 @@ def _list_needs(module: str) -> frozenset[str]:
     for node in _imports(module):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and source(origin := _resolve_import(node, module)):
+        elif isinstance(node, ast.ImportFrom):
+            origin = _resolve_import(node, module)  # a folder without `__init__.py` is no file, what lies in it is
             found.update(_origin(origin, alias.name) for alias in node.names)
     found.update(MODULE_NAME.findall(_text(module)))
     for kind in EVERY.findall(_text(module)):

@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple
 from pydantic import Field, ValidationInfo, field_validator
 
 from roomkin.stages.config.pictures import Picture, as_written
-from roomkin.stages.config.targets import Cell, Policy, PolicyPlan, Target, TrainingSet
+from roomkin.stages.config.targets import Cell, PolicyChoice, PolicyPlan, RoomTarget, TrainingSet
 from roomkin.stages.contracts.policy_config import DRAWN, RANDOMISED, RULES, drawn_role, read_set
 from roomkin.stages.contracts.section import Rank, Section, Seed
 
@@ -84,13 +84,13 @@ class ExperimentConfig(Section):
         "unknown: true, scale_error: false, variants}, as far as they differ (docs/scenes.md).",
     )
     policy_variant: str = Field("b", description="The variant whose cousins the policy experiment uses.")
-    targets: dict[str, Target] = Field(
-        {"door": Target(room="room_3", object="hanging_cabinet_1")},
+    targets: dict[str, RoomTarget] = Field(
+        {"door": RoomTarget(room="room_3", object="hanging_cabinet_1")},
         description="What is opened (Table 3), by names that paths and tables use. Demonstrations belong to a target; "
         "all policies share them.",
     )
-    policies: dict[str, Policy] = Field(
-        {"lite": Policy(), "lite_handle": Policy()},
+    policies: dict[str, PolicyChoice] = Field(
+        {"lite": PolicyChoice(), "lite_handle": PolicyChoice()},
         description="What opens it: every policy is trained for every target and rolled out there, unless it names "
         "some. The first of a target is what its others are compared with.",
     )

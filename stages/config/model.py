@@ -21,7 +21,7 @@ from roomkin.stages.config.packages import Objects, Package, find_packages, pack
 from roomkin.stages.config.perception import PerceptionSection
 from roomkin.stages.config.pictures import mark_measured, of_picture, read_sources
 from roomkin.stages.config.tables import TablesConfig
-from roomkin.stages.config.targets import Target
+from roomkin.stages.config.targets import RoomTarget
 from roomkin.stages.config.training import DemonstrationsConfig, TrainingSection
 from roomkin.stages.config.weights import leave_out, list_unfetched
 from roomkin.stages.contracts.errors import InputError, suggest_nearest
@@ -226,7 +226,7 @@ def _overlays(config: Config) -> Iterator[Mistake]:
         entries = getattr(config.experiment, section)
         for name, entry in list(entries.items()):
             key, changes = f"experiment.{section}.{name}", entry
-            if isinstance(entry, Target):
+            if isinstance(entry, RoomTarget):
                 key, changes = f"{key}.options", entry.options
             yield from truths(changes, model, key)
             try:
@@ -236,7 +236,7 @@ def _overlays(config: Config) -> Iterator[Mistake]:
                 yield from mistakes_of(model, error, f"{key}.")
             except InputError as error:
                 yield Mistake.of(error)
-            entries[name] = entry.model_copy(update={"options": {}}) if isinstance(entry, Target) else {}
+            entries[name] = entry.model_copy(update={"options": {}}) if isinstance(entry, RoomTarget) else {}
 
 
 def _packages(names: list[str], mistakes: list[Mistake]) -> list[str]:

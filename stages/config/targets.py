@@ -23,7 +23,7 @@ def _check_set(name: str) -> str:
 TrainingSet = Annotated[str, AfterValidator(_check_set), Field(json_schema_extra={"pattern": f"^{SET_NAME}$"})]
 
 
-class Target(Section):
+class RoomTarget(Section):
     """A task with the object of a room that it is about."""
 
     task: str | None = Field(None, description="door, drawer, ... or a task of yours; null: as the target is named")
@@ -38,7 +38,7 @@ class Target(Section):
     episodes: int | None = Field(None, ge=1, description="null: `experiment.episodes`")
 
 
-class Policy(Section):
+class PolicyChoice(Section):
     """What opens targets: a way to train. Its kind follows from its configs."""
 
     configs: list[str] | None = Field(

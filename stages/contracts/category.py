@@ -68,7 +68,7 @@ def log_extents(size: ArrayLike) -> Array:
     return np.log(np.concatenate([np.sort(size[..., :2], axis=-1), size[..., 2:]], axis=-1))
 
 
-class Category(Contract):
+class CategoryFacts(Contract):
     """A category, as the maker of the library knows it. Sizes: depth, width and height of models of it, metres."""
 
     name: Id = Field(description="lower-case words joined by underscores")
@@ -106,7 +106,7 @@ class Category(Contract):
         return SizeSpread(sizes.mean(axis=0), np.cov(sizes.T) + UNLIKE**2 * np.eye(3))
 
 
-def describe_unusual(category: Category | None, size: ArrayLike, spread: float = USUAL_SPREAD) -> str:
+def describe_unusual(category: CategoryFacts | None, size: ArrayLike, spread: float = USUAL_SPREAD) -> str:
     """Oddities of extents (depth, width, height), metres, of a thing of a category; empty: nothing is known.
 
     `spread`: as `USUAL_SPREAD`.
@@ -128,20 +128,20 @@ def list_singulars(word: str) -> list[str]:
     return [word, word.removesuffix("s"), word.removesuffix("es"), re.sub("ves$", "f", word)]
 
 
-def may_stand_on(upper: Category | None, lower: Category | None) -> bool:
+def may_stand_on(upper: CategoryFacts | None, lower: CategoryFacts | None) -> bool:
     """Whether things of a category may stand on those of another; None, which is not known, may be anything."""
     if upper is not None and upper.places == ["floor"]:
         return lower is not None and lower.carries == "floor"
     return lower is None or lower.carries != ""
 
 
-def by_joined_name(known: Mapping[str, Category], like: bool = False) -> dict[str, Category]:
+def by_joined_name(known: Mapping[str, CategoryFacts], like: bool = False) -> dict[str, CategoryFacts]:
     """Categories by all their names, without spaces: `coffeetable`; `like`: and by words for similar things."""
     similar = {re.sub("[ _]", "", word): one for one in known.values() for word in one.like if like}
     return similar | {re.sub("[ _]", "", word): one for one in known.values() for word in (one.name, *one.names)}
 
 
-def find_category(name: str, known: Mapping[str, Category], like: bool = False) -> Category | None:
+def find_category(name: str, known: Mapping[str, CategoryFacts], like: bool = False) -> CategoryFacts | None:
     """The category that a name means (a label of a person, a file), by its last words: `025_mug`, `studyTable`.
 
     Args:

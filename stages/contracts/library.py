@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.category import CategoryFacts
 from roomkin.stages.contracts.files import Contract, Document
 from roomkin.stages.contracts.parts import FRONTS, PARTS, FrontType, HingeSide, Panel, PartType
 from roomkin.stages.contracts.types import (
@@ -201,7 +201,9 @@ class LibraryPart(Document):
 
     assets: list[LibraryEntry]
     left_out: list[str] = Field([], description="the user's models that cannot be used, with the reason: a line each")
-    categories: list[Category] = Field([], description="what is known of categories, those of other libraries, too")
+    categories: list[CategoryFacts] = Field(
+        [], description="what is known of categories, those of other libraries, too"
+    )
 
     @model_validator(mode="after")
     def _check_ids(self) -> "LibraryPart":

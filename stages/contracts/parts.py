@@ -1,9 +1,7 @@
-"""The kinds of moving parts that all else knows: of what joint, how far they move, how they open.
+"""The kinds of moving parts (of what joint, how far they move, how they open), and how they lie on a front.
 
 A part type is what GAPartNet (Geng et al., CVPR 2023) calls a hinge door, a slider drawer, a slider button. Every part
 is closed at the lower limit of its joint and opens towards the upper one. What moves otherwise stays fixed.
-
-The layout of doors and drawers on the front of a thing.
 """
 
 import re
@@ -22,7 +20,7 @@ HingeSide = Literal["left", "right", "bottom", "top", "slide"]
 FRONTS: tuple[FrontType, ...] = get_args(FrontType)
 
 
-class Part(NamedTuple):
+class PartKind(NamedTuple):
     """A kind of moving part.
 
     joint: its type. sides: at which a task opens it; slide: it has no hinge. motion: the least and the most that one
@@ -35,11 +33,11 @@ class Part(NamedTuple):
     spring: float = 0.0
 
 
-PARTS: dict[PartType, Part] = {
-    "door": Part("revolute", ("left", "right"), (np.deg2rad(20), np.inf)),
-    "drawer": Part("prismatic", ("slide",), (0.05, np.inf)),
+PARTS: dict[PartType, PartKind] = {
+    "door": PartKind("revolute", ("left", "right"), (np.deg2rad(20), np.inf)),
+    "drawer": PartKind("prismatic", ("slide",), (0.05, np.inf)),
     # 2 to 4 N where it is pushed all the way, as push buttons of machines have it; chosen
-    "button": Part("prismatic", ("slide",), (0.001, 0.05), spring=200.0),
+    "button": PartKind("prismatic", ("slide",), (0.001, 0.05), spring=200.0),
 }
 
 OPENS = {

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.category import Category, may_stand_on
+from roomkin.stages.contracts.category import CategoryFacts, may_stand_on
 from roomkin.stages.contracts.objects import Box, Mounting, Wall
 from roomkin.stages.contracts.types import FLOOR, UNNAMED, WALL
 from roomkin.stages.extraction.contact import (
@@ -132,7 +132,7 @@ def place_object(
     own: NDArray[np.bool_],
     known: bool = False,
     stated: Mounting | None = None,
-    category: Category | None = None,
+    category: CategoryFacts | None = None,
     unnamed: NDArray[np.bool_] | None = None,
 ) -> Placement:
     """Where one object stands or hangs.

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts.categories import known_categories
-from roomkin.stages.contracts.category import Category, find_category
+from roomkin.stages.contracts.category import CategoryFacts, find_category
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.contracts.types import LARGEST
@@ -38,7 +38,7 @@ class MeasuredObject:
     cloud: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
     box: UprightBox | None = None
     heights: tuple[float, ...] = ()
-    category: Category | None = None
+    category: CategoryFacts | None = None
 
     def fail(self, reason: str) -> "MeasuredObject":
         """The object, failed."""
@@ -86,7 +86,7 @@ def measure_object(
 
 
 def fit_box(
-    category: Category | None, cloud: Array, whole: Array, view: DepthView, trim: float
+    category: CategoryFacts | None, cloud: Array, whole: Array, view: DepthView, trim: float
 ) -> tuple[UprightBox, tuple[float, ...]]:
     """The box of a cleaned cloud (N, 3), floor frame, and the heights at which it may carry others.
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import Cousins, InputError, Objects, read_json
-from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.category import CategoryFacts
 from roomkin.stages.contracts.cousins import Cousin, ObjectCousins
 from roomkin.stages.contracts.extracted import read_clouds, read_metres, read_object_masks
 from roomkin.stages.contracts.hand import Correction, digest_of_picture, read_corrections
@@ -54,7 +54,7 @@ class Inputs:
     objects: Objects
     matched: list[MatchedObject]
     folders: Mapping[str, Path]
-    categories: Mapping[str, Category]
+    categories: Mapping[str, CategoryFacts]
 
     @property
     def supports(self) -> dict[str, str]:

@@ -1,7 +1,4 @@
-"""A generated scene as a file: write it, sum it up in one line, read it again.
-
-Doubts about a placed object: its size, its place, its support. The kinds of doubts: `contracts.doubt`.
-"""
+"""A generated scene as a file: doubts about its objects, written, summed up in one line, read again."""
 
 import math
 from collections.abc import Mapping
@@ -11,7 +8,7 @@ from pathlib import Path
 from roomkin.stages.articulated.asset_folder import read_asset
 from roomkin.stages.articulated.resizing import resize_asset
 from roomkin.stages.contracts import GeneratedScene, InputError, Objects
-from roomkin.stages.contracts.category import Category, describe_unusual, find_category
+from roomkin.stages.contracts.category import CategoryFacts, describe_unusual, find_category
 from roomkin.stages.contracts.doubt import Doubt, DoubtKind, sort_by_chance
 from roomkin.stages.contracts.errors import ObjectError, count
 from roomkin.stages.contracts.generated import PlacedObject, measure_place_sureness, measure_sureness
@@ -33,7 +30,7 @@ def doubt_placements(items: list[Placed], inputs: Inputs) -> list[Placed]:
 
 
 def doubt_placement(
-    item: Placed, walls: list[Wall], seen: SceneObject, known: Mapping[str, Category], moved: bool = False
+    item: Placed, walls: list[Wall], seen: SceneObject, known: Mapping[str, CategoryFacts], moved: bool = False
 ) -> Placed:
     """The item with what may be wrong with it. Sizes that a person says are not doubted, nor places.
 

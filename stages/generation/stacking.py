@@ -1,7 +1,4 @@
-"""Supports and heights: the 70 % rule (paper A.3), on top of a thing and not in front of it.
-
-Support surfaces: that of a thing which carries another, and where on it the other stands firmly.
-"""
+"""Supports and heights: the 70 % rule (paper A.3), and where on another thing one stands firmly."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
 from roomkin.stages.config.generation import GenerationConfig
-from roomkin.stages.contracts.category import Category, find_category, may_stand_on
+from roomkin.stages.contracts.category import CategoryFacts, find_category, may_stand_on
 from roomkin.stages.generation.placed import FLOOR, UNNAMED, WALL, Placed, Prism
 from roomkin.stages.geometry.boxes import THINNEST, footprint
 
@@ -108,7 +105,7 @@ def assign_supports(
     stated: Mapping[str, str],
     nudges: Mapping[str, Sequence[float] | None],
     options: GenerationConfig,
-    categories: Mapping[str, Category],
+    categories: Mapping[str, CategoryFacts],
 ) -> list[Placed]:
     """The items with their supports and at their heights (A.3), from low to high.
 
@@ -129,7 +126,7 @@ def sort_by_height(items: list[Placed]) -> list[Placed]:
 
 
 def find_supports(
-    items: list[Placed], overlap: float, tolerance: float | None, categories: Mapping[str, Category]
+    items: list[Placed], overlap: float, tolerance: float | None, categories: Mapping[str, CategoryFacts]
 ) -> dict[str, str]:
     """The support of every item: 'floor', the id of the highest one beneath it, or 'unnamed'.
 

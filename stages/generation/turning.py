@@ -1,7 +1,4 @@
-"""Yaw of a model from the matched view, the object's cloud and its walls (paper A.7, A.3).
-
-Fit boxes to walls: what touches a wall ends at it, and nothing reaches into one (paper A.3).
-"""
+"""Yaw of a model from the matched view, the cloud and the walls; boxes end at walls they touch (paper A.7, A.3)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from shapely import MultiPoint
 
 from roomkin.stages.config.generation import GenerationConfig
-from roomkin.stages.contracts.category import Category
+from roomkin.stages.contracts.category import CategoryFacts
 from roomkin.stages.contracts.cousins import Cousin, Orientation
 from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox, corners, depth_behind, volume
@@ -33,7 +30,7 @@ def find_yaw(
     touched: Sequence[Wall],
     articulated: bool,
     options: GenerationConfig,
-    category: Category | None = None,
+    category: CategoryFacts | None = None,
 ) -> float:
     """The matched yaw, turned to the wall that the object touches (A.3), else to the axes of its cloud (A.7).
 
@@ -57,7 +54,7 @@ def find_yaw(
     return turn_to(yaw, box.yaw, None if limit is None else float(np.deg2rad(limit)))
 
 
-def prefer_front(views: Sequence[Orientation], category: Category | None) -> list[Orientation]:
+def prefer_front(views: Sequence[Orientation], category: CategoryFacts | None) -> list[Orientation]:
     """The views, best first; where the best shows a rear, and the opposite one fits as well, that one before it.
 
     Seen from above and in part, fronts and rears of cupboards, televisions and sofas have one outline and one depth.

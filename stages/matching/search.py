@@ -24,7 +24,7 @@ TIE = 1e-5  # above the error of a squared distance in float32 (about 1e-6), rel
 DECIMALS = 9  # of a squared distance: its error in float64 is far below
 
 
-class Distances(NamedTuple):
+class Nearest(NamedTuple):
     """L2 distances, both ways.
 
     table: T (Q, C), of every query patch to the nearest patch of every candidate picture. backward: per picture (P,),
@@ -43,7 +43,7 @@ def load_search(name: str) -> Search:
 
 def distance_table(
     queries: NDArray[np.float32], rows: Rows, count: int, search: str, nearest: int | None = None, both: bool = False
-) -> Distances:
+) -> Nearest:
     """Distances between the query's patches (Q, D) and those of `count` candidate pictures, from one product each.
 
     Float32 rounding differs between backends and could swap near ties. Entries among the `nearest` of a
@@ -57,7 +57,7 @@ def distance_table(
     for candidate in np.flatnonzero(doubtful.any(axis=0)).tolist():
         again = doubtful[:, candidate]
         table[again, candidate] = _float64_minimum(queries[again], rows(candidate))
-    return Distances(np.sqrt(table), [_lengths(way, tie, rows(number), queries) for number, way in enumerate(backward)])
+    return Nearest(np.sqrt(table), [_lengths(way, tie, rows(number), queries) for number, way in enumerate(backward)])
 
 
 def _lengths(

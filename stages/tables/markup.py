@@ -14,7 +14,7 @@ from roomkin.stages.tables.text import NOT_RUN
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """A table of text (cells as `text.cell` writes them); the first `headers` columns name the row."""
 
     name: str
@@ -32,7 +32,7 @@ class Table:
             return [("", self.rows)]
         return [(head, [row[1:] for row in rows]) for head, rows in found]
 
-    def drop_empty(self) -> "Table":
+    def drop_empty(self) -> "TextTable":
         """The rows that were run, and the columns with a value of ours."""
         rows = [row for row in self.rows if any(map(_is_ours, row[self.headers :])) or not any(map(_is_missing, row))]
         columns = [k < self.headers or any(_is_ours(row[k]) for row in rows) for k in range(len(self.columns))]
@@ -49,7 +49,7 @@ def _is_ours(cell: str) -> bool:
     return cell != "" and not _is_missing(cell) and not cell.startswith("paper ")
 
 
-def markdown(table: Table) -> str:
+def markdown(table: TextTable) -> str:
     """A table in Markdown, the paper's values in italics."""
 
     def text(cell: str) -> str:
@@ -79,12 +79,12 @@ def read_notes(name: str, package: str = "roomkin.stages.tables", **values: Any)
     return [" ".join(part.split()) for part in getattr(notes, name)(**values).split("\n\n") if part.strip()]
 
 
-def html(tables: list[Table], title: str) -> str:
+def html(tables: list[TextTable], title: str) -> str:
     """A page with the tables alone."""
     return environment().get_template("table_page.html.jinja").render(tables=tables, title=title)
 
 
-def latex(tables: list[Table]) -> str:
+def latex(tables: list[TextTable]) -> str:
     r"""The tables as `table` environments, their notes as comments; they need \usepackage{booktabs}."""
     parts = ["% needs \\usepackage{booktabs}\n"]
     for table in tables:

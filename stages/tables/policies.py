@@ -12,7 +12,7 @@ from roomkin.stages.contracts.files import read_options
 from roomkin.stages.tables import policy_tables, table3
 from roomkin.stages.tables.cells import CELL, ROW
 from roomkin.stages.tables.figures import Panels, figure4, figure9, save, style
-from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.markup import TextTable
 from roomkin.stages.tables.methods import join_published, kinds_of, pool_rollouts, read_rollouts
 from roomkin.stages.tables.policy_tables import policy_notes
 from roomkin.stages.tables.rows import published_policies, published_runs
@@ -43,7 +43,7 @@ class More(NamedTuple):
     """
 
     frames: Mapping[str, pd.DataFrame] = {}
-    tables: Mapping[str, list[Table]] = {}
+    tables: Mapping[str, list[TextTable]] = {}
     notes: list[str] = []
     panels: Panels | None = None
 

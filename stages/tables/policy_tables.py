@@ -1,7 +1,4 @@
-"""Table 3 as text.
-
-What tables of policies say below: what is pooled, and what policies are given that a real robot would not have.
-"""
+"""Table 3 as text, and what stands below tables of policies: what is pooled, what policies are given."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +9,7 @@ from roomkin.stages.config.tables import PolicyTables, TablesConfig
 from roomkin.stages.contracts.errors import count
 from roomkin.stages.plugins import shorten_name
 from roomkin.stages.tables.cells import CELL
-from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.markup import TextTable, read_notes
 from roomkin.stages.tables.methods import Kinds, kinds_of
 from roomkin.stages.tables.order import CLOUDS, set_key, target_title, title
 from roomkin.stages.tables.rows import records
@@ -42,7 +39,7 @@ def policies_table(
     options: TablesConfig,
     kinds: Kinds | None = None,
     notes: Sequence[str] = (),
-) -> Table:
+) -> TextTable:
     """Table 3, laid out as in the paper: a row per test asset, a column per set.
 
     Args:
@@ -67,7 +64,7 @@ def policies_table(
             value, remark = _format_rate(ran[name]) if name in ran else missing
             line.append(cell(value, remark, percent(paper["mean"], paper["std"]) if paper else ""))
         rows.append(line)
-    return Table(
+    return TextTable(
         name="table3",
         caption="Table 3: success of policies by training set (columns) and test asset (rows).",
         columns=["Task", "Test asset", "Distance", *(title(name) for name in sets)],

@@ -6,7 +6,7 @@ import pandas as pd
 
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts.cousins import NO_MODEL
-from roomkin.stages.tables.markup import Table, read_notes
+from roomkin.stages.tables.markup import TextTable, read_notes
 from roomkin.stages.tables.order import NO_IMAGE, VARIANTS, title
 from roomkin.stages.tables.rows import records
 from roomkin.stages.tables.table2 import AFFORDANCES, COUNTS, METRICS
@@ -52,13 +52,13 @@ def _scores(row: dict[str, Any]) -> list[str]:
     return [*cells, cell(shape, opens if row["n_articulated"] else "") if ran else ""]
 
 
-def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
+def scenes_table(table: pd.DataFrame, options: TablesConfig) -> TextTable:
     """Table 2, laid out as in the paper."""
     rows = []
     for row in records(table):
         judge = row["judge"] if row["status"] == "run" else ""
         rows.append([title(row["scene"]), f"({row['variant']})", judge, number(row["scale_m"], 2), *_scores(row)])
-    return Table(
+    return TextTable(
         name="table2",
         caption="Table 2: scene reconstruction in the sim-to-sim setting, scenes of nearest cousins.",
         columns=["Scene", "Variant", "Judge", "Scale (m)", "Objects", "Category", "Model", "L2 (cm)", "Ori. (rad)",

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from roomkin.stages.contracts.files import write_text
-from roomkin.stages.tables.markup import Table, html, latex
+from roomkin.stages.tables.markup import TextTable, html, latex
 
 
 def write_csv(path: Path, table: pd.DataFrame) -> None:
@@ -13,7 +13,7 @@ def write_csv(path: Path, table: pd.DataFrame) -> None:
     write_text(path, table.to_csv(index=False, lineterminator="\n", float_format="%.6g"))
 
 
-def write(out: Path, name: str, table: pd.DataFrame, tables: list[Table]) -> None:
+def write(out: Path, name: str, table: pd.DataFrame, tables: list[TextTable]) -> None:
     """`name`.csv, and the tables about it as .html and .tex."""
     write_csv(out / f"{name}.csv", table)
     write_text(out / f"{name}.html", html(tables, tables[0].caption))

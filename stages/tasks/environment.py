@@ -26,7 +26,7 @@ from roomkin.stages.simulation.target import Target, descends, read_target
 from roomkin.stages.tasks.base_placement import OFFICIAL_SUCCESS_FRACTION, find_success_opening, place_robot_and_asset
 from roomkin.stages.tasks.filmed import FilmedEnv, randomise, sample_factors
 from roomkin.stages.tasks.initial_state import nominal_root, sample_initial_state, sample_scale
-from roomkin.stages.tasks.observation import Camera, CameraRig, Observation, Sensing, shoulder
+from roomkin.stages.tasks.observation import CameraRig, MountedCamera, Observation, Sensing, shoulder
 from roomkin.stages.tasks.task import Task
 
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
@@ -106,7 +106,7 @@ class OpenTaskEnv(FilmedEnv):
     def _default_sensor_configs(self) -> list[CameraConfig]:
         return self.rig.configs(self.agent)
 
-    def cameras(self) -> Sequence[Camera]:
+    def cameras(self) -> Sequence[MountedCamera]:
         """The depth cameras whose points make up the cloud."""
         return [shoulder(self.options)]
 

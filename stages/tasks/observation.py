@@ -1,7 +1,4 @@
-"""The observation of a policy at each step, from the environment as from the stores (paper B.3).
-
-The depth cameras of a task (paper B.3): on the robot's base or on its hand, jittered by episode.
-"""
+"""The observation of a policy at each step, and the depth cameras on base or hand that it comes from (paper B.3)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +27,7 @@ Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Camera:
+class MountedCamera:
     """A camera at `eye` that looks at `target`, in the frame of what it is mounted on: the robot's base or its hand
     (tool center point: z towards the object, y from finger to finger). Metres; `up` is up in its picture."""
 
@@ -64,18 +61,18 @@ class Camera:
 
 
 # Above the hand, past the fingers: it sees what they close around.
-WRIST = Camera("wrist", (-0.09, 0.0, -0.08), (0.0, 0.0, 0.06), "hand", (-1.0, 0.0, 0.0))
+WRIST = MountedCamera("wrist", (-0.09, 0.0, -0.08), (0.0, 0.0, 0.06), "hand", (-1.0, 0.0, 0.0))
 
 
-def shoulder(options: TaskConfig) -> Camera:
+def shoulder(options: TaskConfig) -> MountedCamera:
     """The camera over the robot's shoulder."""
-    return Camera("shoulder", options.camera_eye, options.camera_target)
+    return MountedCamera("shoulder", options.camera_eye, options.camera_target)
 
 
-def other_shoulder(options: TaskConfig) -> Camera:
+def other_shoulder(options: TaskConfig) -> MountedCamera:
     """Its mirror image on the other side of the robot."""
     eye, target = ((x, -y, z) for x, y, z in (options.camera_eye, options.camera_target))
-    return Camera("shoulder_2", eye, target)
+    return MountedCamera("shoulder_2", eye, target)
 
 
 def jitter(seed: int, number: int, options: TaskConfig) -> Array:
@@ -143,7 +140,7 @@ def with_noise(picture: NDArray[np.int16], rng: np.random.Generator) -> NDArray[
 class CameraRig:
     """The cameras of a task's environments, and what they see of them."""
 
-    def __init__(self, cameras: Sequence[Camera], options: TaskConfig, sensing: Sensing | None = None) -> None:
+    def __init__(self, cameras: Sequence[MountedCamera], options: TaskConfig, sensing: Sensing | None = None) -> None:
         self.cameras, self.options, self.sensing = cameras, options, sensing or Sensing()
         # By camera and environment, in the frame of its mount: where it is, and where the policy is told that it is.
         self._poses: dict[tuple[str, int], Array] = {}

@@ -75,7 +75,7 @@ SIZES = {
 MODELS = [Box(f"{kind}_1", kind, size) for kind, size in SIZES.items()]
 
 
-def flat(thing: rooms.Thing, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def flat(thing: rooms.PlacedModel, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """The top of a box, as wide as the box."""
     plan = footprint(thing.box).buffer(1e-6)
     inside = np.array([plan.contains(Point(point)) for point in points])
@@ -118,10 +118,10 @@ def test_a_mirrored_plan_mirrored_again_is_the_plan() -> None:
         assert rooms.mirror_plan(plan)["camera"]["eye"][0] == pytest.approx(plan["size"][0] - plan["camera"]["eye"][0])
 
 
-def seen(depth: NDArray[np.float64], surface: int = sensor.MATT, beyond: float = 0.0) -> sensor.Seen:
+def seen(depth: NDArray[np.float64], surface: int = sensor.MATT, beyond: float = 0.0) -> sensor.SensorView:
     """A wall seen straight on."""
     kinds = np.full(depth.shape, surface, dtype=np.uint8)
-    return sensor.Seen(depth, np.ones(depth.shape), np.full(depth.shape, beyond) if beyond else depth, kinds)
+    return sensor.SensorView(depth, np.ones(depth.shape), np.full(depth.shape, beyond) if beyond else depth, kinds)
 
 
 @pytest.mark.parametrize("device", sensor.DEVICES, ids=lambda device: device.name)
@@ -310,7 +310,7 @@ def test_a_camera_looks_where_it_is_told() -> None:
 
 
 def test_rays_find_depth_owner_and_what_a_mirror_shows() -> None:
-    room = rooms.Room("empty", (4.0, 3.0), (2.0, 1.0, 0.7), (2.0, 3.0, 0.7))
+    room = rooms.OpenRoom("empty", (4.0, 3.0), (2.0, 1.0, 0.7), (2.0, 3.0, 0.7))
     caster = views.Caster(views.surfaces(room))
     found, owner = views.cast_view(caster, views.look_at(room.eye, room.look), 525.0)
     assert found.depth[240, 320] == pytest.approx(2.0, abs=1e-3)  # the northern wall, all of it at one depth
@@ -558,7 +558,7 @@ def test_pictures_are_the_right_way_up_on_what_mujoco_reads(tmp_path: Path) -> N
         '/><material name="m" texture="t"/></asset><worldbody><body><geom type="mesh" mesh="m" material="m"/></body>'
         "</worldbody></mujoco>"
     )
-    (part,) = packs.Model("sai", "box", "box", (), "", "none", "", 2.0, tmp_path).parts
+    (part,) = packs.PackModel("sai", "box", "box", (), "", "none", "", 2.0, tmp_path).parts
     assert part.uv is not None and part.picture is not None
     assert part.uv == pytest.approx(np.tile([0.5, 0.125], (12, 1)))
     assert np.ptp(part.vertices, axis=0) == pytest.approx([2, 2, 2])
@@ -578,7 +578,7 @@ def test_a_body_of_a_scene_is_read_by_its_name_and_cut(tmp_path: Path) -> None:
     folder = tmp_path / Path(packs.MJCF["franka"]).parent
     folder.mkdir(parents=True)
     (tmp_path / packs.MJCF["franka"]).write_text(KITCHEN)
-    whole = packs.Model("franka", "oven", "oven", (), "", "none", "", 0.5, tmp_path)
+    whole = packs.PackModel("franka", "oven", "oven", (), "", "none", "", 0.5, tmp_path)
     assert whole.size == pytest.approx((1.0, 2.0, 3.55))  # its own axes; what only collides is left out
     box, lid = whole.parts
     assert box.color == pytest.approx((0.5, 0.25, 0), abs=0.01) and lid.normals is not None
@@ -597,7 +597,7 @@ def test_meshes_and_boxes_of_a_urdf_stand_where_they_are_told(tmp_path: Path) ->
         '<material><color rgba="1 0 0 1"/></material></visual><visual><geometry><box size="0.1 0.1 1"/></geometry>'
         "</visual><visual><geometry><sphere/></geometry></visual></link></robot>"
     )
-    table = packs.Model("bullet", "table", "table", (), "", "none", "z up", 1.0, tmp_path)
+    table = packs.PackModel("bullet", "table", "table", (), "", "none", "z up", 1.0, tmp_path)
     assert table.size == pytest.approx((2.05, 4.05, 1.0))
     top, leg = table.parts
     assert top.color == (1, 0, 0) and np.allclose(top.vertices[:, 2], 1.0) and leg.color == (0.7, 0.7, 0.7)

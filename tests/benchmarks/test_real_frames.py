@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.open_rooms.run import StoppedError
 from benchmarks.real_frames import __main__ as frames
-from benchmarks.real_frames.__main__ import HERE, NAMES, Found, count, score_frame
+from benchmarks.real_frames.__main__ import HERE, NAMES, FrameThing, count, score_frame
 from roomkin.stages.contracts import Annotations, Cousins, Objects, write_json
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.cousins import Cousin, ObjectCousins, Orientation
@@ -49,14 +49,14 @@ def test_a_frame_is_scored_by_its_pieces_names_and_cousins(tmp_path: Path) -> No
     matched = ObjectCousins(id="jar_1", label="jar", by_distance=[], cousins=[cousin])
     write_json(tmp_path / "geometry/cousins.json", Cousins(scene="a", encoder="hog", objects=[matched]))
     things, pieces = score_frame("0007", tmp_path)
-    assert things == [Found(shown=True, three=True, placed=True), Found()] and pieces == 1
+    assert things == [FrameThing(shown=True, three=True, placed=True), FrameThing()] and pieces == 1
     assert count(things) == ["1 / 2", "0 / 2", "1 / 2", "1 / 2", "0 / 2"]
     write_json(
         tmp_path / "input/things.json", Things(walls=0, things=[thing.model_copy(update={"left_out": "unsure"})])
     )
-    assert score_frame("0007", tmp_path)[0][0] == Found(shown=True, three=True)
+    assert score_frame("0007", tmp_path)[0][0] == FrameThing(shown=True, three=True)
     (tmp_path / "input/things.json").unlink()  # as where somebody outlined and named it
-    assert score_frame("0007", tmp_path) == ([Found(shown=True, placed=True), Found()], 1)
+    assert score_frame("0007", tmp_path) == ([FrameThing(shown=True, placed=True), FrameThing()], 1)
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def write_pictures(root: Path) -> Path:
 def model(name: str) -> Any:
     """A model of one part, a box."""
     box = trimesh.creation.box((1, 1, 1))
-    part = packs.Part(np.asarray(box.vertices), np.asarray(box.faces), None, None, (0, 0, 0), None, 1.0)
+    part = packs.PaintedMesh(np.asarray(box.vertices), np.asarray(box.faces), None, None, (0, 0, 0), None, 1.0)
     return SimpleNamespace(id=name, parts=[part], opens=("left", "slide"), handle="knob")
 
 

@@ -19,7 +19,7 @@ from roomkin.stages.simulation.rendering import make_scene
 from roomkin.stages.simulation.shaders import make_skyless_pack
 from roomkin.stages.tasks.door import TASK
 from roomkin.stages.tasks.environment import OpenTaskEnv
-from roomkin.stages.tasks.observation import WRIST, Camera, other_shoulder, shoulder
+from roomkin.stages.tasks.observation import WRIST, MountedCamera, other_shoulder, shoulder
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(points=256, camera_size=64)
@@ -36,7 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 class ThreeEyes(OpenTaskEnv):
     """Doors seen from both shoulders and from the wrist."""
 
-    def cameras(self) -> Sequence[Camera]:
+    def cameras(self) -> Sequence[MountedCamera]:
         return [shoulder(self.options), other_shoulder(self.options), WRIST]
 
 

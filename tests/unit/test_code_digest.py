@@ -100,6 +100,14 @@ def test_a_rollout_needs_the_code_of_its_own_simulator() -> None:
     assert not [name for name in needed if name.startswith("roomkin.stages.generation")]
 
 
+def test_modules_of_a_folder_without_an_init_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "own_pack" / "encoders").mkdir(parents=True)
+    (tmp_path / "own_pack" / "user.py").write_text("from own_pack.encoders import mine\n")
+    (tmp_path / "own_pack" / "encoders" / "mine.py").touch()
+    monkeypatch.setitem(code.ROOTS, "own_pack", tmp_path / "own_pack")
+    assert code.closure("own_pack.user") == ("own_pack.encoders.mine", "own_pack.user")
+
+
 def test_jobs_find_packages_where_the_config_found_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "own_pack").mkdir()
     (tmp_path / "own_pack" / "__init__.py").touch()

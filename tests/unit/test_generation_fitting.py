@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from roomkin.stages.config.generation import GenerationConfig
-from roomkin.stages.contracts.category import Category, SizeSpread
+from roomkin.stages.contracts.category import CategoryFacts, SizeSpread
 from roomkin.stages.contracts.objects import DepthError, Wall
 from roomkin.stages.generation import sizing
 from roomkin.stages.generation.sizing import TOO_SURE, Prior, SeenObject, VisibleSolid, find_correspondences, fit_box
@@ -184,8 +184,8 @@ def test_what_stands_on_a_table_ends_there() -> None:
 
 
 def test_sizes_of_a_category_have_a_mean_and_a_spread() -> None:
-    assert Category(name="mug", sizes=[(0.1, 0.1, 0.1)]).measure_spread() is None
-    known = Category(name="mug", sizes=[(0.1, 0.1, 0.1), (0.2, 0.2, 0.2)], real=[(0.4, 0.4, 0.4)])
+    assert CategoryFacts(name="mug", sizes=[(0.1, 0.1, 0.1)]).measure_spread() is None
+    known = CategoryFacts(name="mug", sizes=[(0.1, 0.1, 0.1), (0.2, 0.2, 0.2)], real=[(0.4, 0.4, 0.4)])
     mean, covariance = known.measure_spread()
     assert np.exp(mean) == pytest.approx([0.2] * 3)
     assert covariance[0, 1] == pytest.approx(np.log(2) ** 2)  # larger mugs are higher, too

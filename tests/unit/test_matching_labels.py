@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-import roomkin.plugins.scenes.rooms
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import Library
 from roomkin.stages.contracts.categories import known_categories
@@ -152,7 +151,7 @@ def test_a_category_of_ones_own_is_known() -> None:
 
 
 def test_labels_of_our_rooms_are_understood() -> None:
-    rooms = Path(roomkin.plugins.scenes.rooms.__file__).parent.glob("*.yaml")
+    rooms = (Path(__file__).parents[2] / "plugins/scenes/rooms").glob("*.yaml")
     labels = {
         line.split("label:")[1].strip(" }")
         for room in rooms

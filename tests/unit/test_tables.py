@@ -12,7 +12,7 @@ from roomkin.stages.contracts.policies import Rollout, SceneScore
 from roomkin.stages.tables import policies, policy_tables, scene_tables, scenes, table2, table3
 from roomkin.stages.tables.figures import draw_rates, figure9
 from roomkin.stages.tables.intervals import t_interval, wilson
-from roomkin.stages.tables.markup import Table, html, latex, markdown
+from roomkin.stages.tables.markup import TextTable, html, latex, markdown
 from roomkin.stages.tables.methods import join_published
 from roomkin.stages.tables.order import set_key, sort_key
 from roomkin.stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
@@ -305,7 +305,7 @@ def test_broken_published_values_leave_nothing_behind(tmp_path: Path) -> None:
 
 
 def test_markup_escapes() -> None:
-    table = Table("t", "50 cm & <b>", ["a_b"], [[text_cell("<i>", "x_1 | −3 %", "±")]])
+    table = TextTable("t", "50 cm & <b>", ["a_b"], [[text_cell("<i>", "x_1 | −3 %", "±")]])
     assert "&lt;i&gt;" in html([table], "t") and "<i>" not in html([table], "t")
     text = latex([table])
     assert r"a\_b" in text and r"<i> x\_1 | -3 \% paper ±" in text and r"\toprule" in text
@@ -316,19 +316,19 @@ def test_markup_escapes() -> None:
 def test_rows_and_columns_that_were_not_run_are_left_out() -> None:
     skill = ["scripted skill: 100 %", "", "", ""]  # its value is in its name
     rows = [["twin", "9 %", "not run", ""], ["all", "not run", "paper 7 %", "not run\npaper 1 %"], skill]
-    table = Table("t", "", ["asset", "a", "b", "c"], rows)
+    table = TextTable("t", "", ["asset", "a", "b", "c"], rows)
     assert (table.drop_empty().columns, table.drop_empty().rows) == (["asset", "a"], [["twin", "9 %"], skill[:2]])
 
 
 def test_rows_that_begin_alike_stand_under_one_heading() -> None:
     rows = [["door", "twin", "9 %"], ["door", "all", "8 %"], ["bowl", "twin", "7 %"]]
-    table = Table("t", "", ["task", "asset", "a"], rows, headers=2)
+    table = TextTable("t", "", ["task", "asset", "a"], rows, headers=2)
     assert table.groups == [("door", [["twin", "9 %"], ["all", "8 %"]]), ("bowl", [["twin", "7 %"]])]
     page = html([table], "t")
     assert (
         page.count(">door<") == page.count('colspan="2"') / 2 == 1 and 'data-label="a"' in page and "task" not in page
     )
-    assert Table("t", "", table.columns, rows[1:], headers=2).groups == [("", rows[1:])]
+    assert TextTable("t", "", table.columns, rows[1:], headers=2).groups == [("", rows[1:])]
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roomkin.stages.contracts.category import Category, describe_unusual
+from roomkin.stages.contracts.category import CategoryFacts, describe_unusual
 from roomkin.stages.contracts.errors import count, describe_size
 from roomkin.stages.contracts.objects import Mounting
 
@@ -26,7 +26,7 @@ def test_a_size_is_said_wide_deep_high() -> None:
 def test_the_usual_size_is_turned_as_the_thing_and_equal_ends_are_said_once(
     size: tuple[float, float, float], usual: str
 ) -> None:
-    known = Category(name="picture", sizes=[(0.04, 0.33, 0.33), (0.04, 0.75, 0.79), (0.04, 0.5, 0.5)])
+    known = CategoryFacts(name="picture", sizes=[(0.04, 0.33, 0.33), (0.04, 0.75, 0.79), (0.04, 0.5, 0.5)])
     assert describe_unusual(known, size) == f"is {describe_size(size)}; usual are {usual}"
 
 

@@ -13,7 +13,7 @@ from roomkin.stages.config.tables import PolicyTables, TablesConfig
 from roomkin.stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from roomkin.stages.tables import table3
 from roomkin.stages.tables.figures import figure4
-from roomkin.stages.tables.markup import Table, markdown
+from roomkin.stages.tables.markup import TextTable, markdown
 from roomkin.stages.tables.methods import join_published
 from roomkin.stages.tables.order import row_title, set_key, target_title, title
 from roomkin.stages.tables.rows import published_policies
@@ -40,7 +40,7 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
     return assets.build(rows, OPTIONS, FIRST).set_index(["policy", "training_set"])
 
 
-def texts(shown: Table) -> list[list[str]]:
+def texts(shown: TextTable) -> list[list[str]]:
     return [[cell.split("\n")[0] for cell in row] for row in shown.rows]
 
 

@@ -1,9 +1,4 @@
-"""Kitchen and washing machines.
-
-Appliances: cabinets in metal or glass.
-
-Washing machines: a round door on the front, held by an arch at its free side.
-"""
+"""Fridges, microwaves, ovens, dishwashers: cabinets in metal or glass; and washing machines, with a round door."""
 
 from typing import Any, Literal
 
@@ -14,21 +9,11 @@ from roomkin.plugins.furniture.cabinet import Cabinet
 from roomkin.plugins.furniture.categories.cabinets import Layout, box_of, cabinet_of, cells_of
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import APPLIANCE, METALS, pick
+from roomkin.plugins.furniture.fields import between, in_turn, of, one_of, whole
 from roomkin.plugins.furniture.finishes import DARK, finish_of, shade
 from roomkin.plugins.furniture.fronts import STYLES, handle_parts
 from roomkin.plugins.furniture.model import GLASS, METAL, PLASTIC, Model, Moving, Part, Parts, Size
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    in_turn,
-    of,
-    one_of,
-    uniform,
-    whole,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, uniform
 from roomkin.plugins.furniture.shapes import box, cushion, lathe, rod, rotate, translate
 
 

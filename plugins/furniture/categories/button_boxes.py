@@ -4,9 +4,10 @@ from typing import Literal
 
 from roomkin.plugins.furniture.category import Category, sized
 from roomkin.plugins.furniture.colors import METALS, PAINTS
+from roomkin.plugins.furniture.fields import between, chance, in_turn, of, one_of
 from roomkin.plugins.furniture.finishes import shade
 from roomkin.plugins.furniture.model import PLASTIC, Model, Moving, Parts, Size, part
-from roomkin.plugins.furniture.recipe import Coating, Generator, between, chance, in_turn, of, one_of
+from roomkin.plugins.furniture.recipe import Coating, Generator
 from roomkin.plugins.furniture.shapes import box, rod
 
 FILLING = 400.0  # kg / m^3: a case with switches and wires in it

@@ -1,7 +1,4 @@
-"""Monitors, keyboards and mice.
-
-Telephones and remote controls.
-"""
+"""Monitors, keyboards and mice; telephones and remote controls."""
 
 from collections.abc import Sequence
 from typing import Literal, cast
@@ -13,20 +10,10 @@ from trimesh import Trimesh
 from roomkin.plugins.furniture.categories.decor import Television
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import METALS, PAINTS
+from roomkin.plugins.furniture.fields import between, in_turn, of, one_of
 from roomkin.plugins.furniture.finishes import DARK, Surface, finish_of, shade
 from roomkin.plugins.furniture.model import PLASTIC, Model, Part, Parts, Size
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    in_turn,
-    of,
-    one_of,
-    round_size,
-    uniform,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from roomkin.plugins.furniture.shapes import box, cushion, hull, rod, rotate, translate
 
 SHELL = 700.0  # kg / m^3: a case with air and electronics in it

@@ -1,7 +1,4 @@
-"""Bins and baskets.
-
-Suitcases and bags.
-"""
+"""Bins and baskets, suitcases and bags."""
 
 import itertools
 from typing import Literal
@@ -11,21 +8,10 @@ import numpy as np
 from roomkin.plugins.furniture.categories.vessels import hollow
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import APPLIANCE, FABRICS, METALS, PAINTS, WICKER, WOODS
+from roomkin.plugins.furniture.fields import between, fixed, in_turn, of, one_of, whole
 from roomkin.plugins.furniture.finishes import DARK, shade
 from roomkin.plugins.furniture.model import FILLED, METAL, PLASTIC, Model, Parts, Size
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    fixed,
-    in_turn,
-    of,
-    one_of,
-    round_size,
-    whole,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size
 from roomkin.plugins.furniture.shapes import beam, box, cushion, hull, lathe, make_sides, rod
 
 LIGHT = 300.0  # kg / m^3: a shell with little or machinery in it

@@ -1,7 +1,4 @@
-"""Televisions and pictures.
-
-Rugs and curtains.
-"""
+"""Televisions and pictures, rugs and curtains."""
 
 from typing import Literal
 
@@ -10,22 +7,10 @@ from trimesh import Trimesh
 
 from roomkin.plugins.furniture.category import category
 from roomkin.plugins.furniture.colors import FABRICS, GLAZES, METALS, PAINTS, SHADES, WOODS, pick
+from roomkin.plugins.furniture.fields import between, fixed, in_turn, of, sampled_by, whole, zero_or
 from roomkin.plugins.furniture.finishes import change_material, finish_of, shade
 from roomkin.plugins.furniture.model import METAL, STEEL, Model, Part, Parts, Size
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    fixed,
-    in_turn,
-    of,
-    round_size,
-    sampled_by,
-    whole,
-    zero_or,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size
 from roomkin.plugins.furniture.shapes import beam, box, cushion, hull, lathe, rim, rod, widen
 
 

@@ -8,24 +8,11 @@ from roomkin.plugins.furniture.cabinet import Cabinet
 from roomkin.plugins.furniture.categories.tables_and_beds import Legs, supports
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
+from roomkin.plugins.furniture.fields import between, chance, in_turn, of, one_of, sampled_by, whole
 from roomkin.plugins.furniture.finishes import shade
 from roomkin.plugins.furniture.fronts import HANDLE_SHARES, HANDLES, STYLES, PanelStyle, Style
 from roomkin.plugins.furniture.model import FOAM, METAL, Model, Moving, Parts, Size, move_model
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    chance,
-    in_turn,
-    of,
-    one_of,
-    round_size,
-    sampled_by,
-    uniform,
-    whole,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from roomkin.plugins.furniture.shapes import beam, box, cushion
 
 RIM = 0.012  # between the top's rim and a pedestal's handles

@@ -9,8 +9,9 @@ from roomkin.plugins.furniture.categories.containers import DARK_LID, LIGHT
 from roomkin.plugins.furniture.categories.vessels import ear, hollow
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
+from roomkin.plugins.furniture.fields import between, in_turn, of
 from roomkin.plugins.furniture.model import FILLED, METAL, PLASTIC, Model, Part, Parts, Size, move_model
-from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, round_size, uniform
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from roomkin.plugins.furniture.shapes import box, cushion, lathe, rod
 
 

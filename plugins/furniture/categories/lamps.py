@@ -1,11 +1,4 @@
-"""Lamps, plants, and what is turned on a lathe.
-
-Bottles and vases: closed solids of revolution.
-
-Floor lamps and table lamps.
-
-Plants in pots.
-"""
+"""What is turned on a lathe: bottles and vases, lamps, plants in pots."""
 
 from typing import Literal
 
@@ -16,20 +9,10 @@ from scipy.interpolate import PchipInterpolator
 from roomkin.plugins.furniture.categories.vessels import Profile
 from roomkin.plugins.furniture.category import category
 from roomkin.plugins.furniture.colors import CARDBOARD, GLAZES, GREENS, METALS, SHADES, pick
+from roomkin.plugins.furniture.fields import between, in_turn, of, whole
 from roomkin.plugins.furniture.finishes import Surface, finish_of, shade
 from roomkin.plugins.furniture.model import CERAMIC, FILLED, METAL, STEEL, WOOD, Model, Part, Parts, Size
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    in_turn,
-    of,
-    round_size,
-    uniform,
-    whole,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from roomkin.plugins.furniture.shapes import ball, hull, lathe, rod
 from roomkin.stages.contracts.library import Placement
 

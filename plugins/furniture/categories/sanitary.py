@@ -1,9 +1,4 @@
-"""Radiators, and what stands in a bathroom.
-
-Radiators.
-
-Sinks and toilets.
-"""
+"""Radiators, sinks and toilets."""
 
 from dataclasses import replace
 from typing import Literal
@@ -14,20 +9,10 @@ from trimesh import Trimesh
 from roomkin.plugins.furniture.categories.vessels import Profile, hollow
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import METALS, WOODS
+from roomkin.plugins.furniture.fields import between, chance, in_turn, of, one_of
 from roomkin.plugins.furniture.finishes import shade
 from roomkin.plugins.furniture.model import METAL, PLASTIC, Model, Parts, Size, move_model
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    chance,
-    in_turn,
-    of,
-    one_of,
-    round_size,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size
 from roomkin.plugins.furniture.shapes import box, cushion, hull, lathe, rod, rotate, widen
 from roomkin.stages.contracts.library import Placement
 

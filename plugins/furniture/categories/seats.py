@@ -7,21 +7,9 @@ from trimesh import Trimesh
 
 from roomkin.plugins.furniture.category import category
 from roomkin.plugins.furniture.colors import FABRICS, METALS, PAINTS, WOODS, pick
+from roomkin.plugins.furniture.fields import between, chance, in_turn, of, one_of, zero_or
 from roomkin.plugins.furniture.model import Model, Part, Parts, Size
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    chance,
-    in_turn,
-    of,
-    one_of,
-    round_size,
-    uniform,
-    zero_or,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from roomkin.plugins.furniture.shapes import beam, box, cushion, hull, lathe, rod, widen
 
 Point = tuple[float, float, float]

@@ -7,20 +7,10 @@ import numpy as np
 
 from roomkin.plugins.furniture.category import category
 from roomkin.plugins.furniture.colors import METALS, PAINTS, WOODS
+from roomkin.plugins.furniture.fields import between, fixed, in_turn, of
 from roomkin.plugins.furniture.finishes import DARK, shade
 from roomkin.plugins.furniture.model import CERAMIC, FILLED, METAL, PLASTIC, Model, Parts, Size, move_model, part
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    fixed,
-    in_turn,
-    of,
-    round_size,
-    uniform,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from roomkin.plugins.furniture.shapes import box, cushion, hull, lathe, rim, rod, rotate
 
 SILVER = (0.62, 0.68, 0.72)

@@ -1,11 +1,4 @@
-"""Armchairs, sofas, ottomans, cushions.
-
-Armchairs; the back is at -x.
-
-Sofas and armchairs; the back is at -x.
-
-Ottomans and cushions.
-"""
+"""Armchairs, sofas, ottomans, cushions; backs are at -x."""
 
 import itertools
 from typing import Any, Literal
@@ -16,9 +9,10 @@ from trimesh import Trimesh
 
 from roomkin.plugins.furniture.category import category
 from roomkin.plugins.furniture.colors import FABRICS, METALS, SHADES, WOODS, pick
+from roomkin.plugins.furniture.fields import between, fixed, in_turn, of
 from roomkin.plugins.furniture.finishes import finish_of
 from roomkin.plugins.furniture.model import FOAM, Model, Part, Parts, Size
-from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, round_size
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size
 from roomkin.plugins.furniture.shapes import beam, box, cushion, hull, lathe, rod, widen
 
 UPHOLSTERY = 100.0  # kg / m^3

@@ -8,21 +8,10 @@ from pydantic import Field
 
 from roomkin.plugins.furniture.category import category
 from roomkin.plugins.furniture.colors import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
+from roomkin.plugins.furniture.fields import between, fixed, in_turn, of, one_of, whole
 from roomkin.plugins.furniture.finishes import change_material, shade
 from roomkin.plugins.furniture.model import PAPER, Model, Part, Parts, Size
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    fixed,
-    in_turn,
-    of,
-    one_of,
-    round_size,
-    whole,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size
 from roomkin.plugins.furniture.shapes import box, make_sides
 
 

@@ -7,20 +7,10 @@ import numpy as np
 
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
+from roomkin.plugins.furniture.fields import between, fixed, in_turn, of, zero_or
 from roomkin.plugins.furniture.finishes import Surface, finish_of
 from roomkin.plugins.furniture.model import FOAM, METAL, Model, Part, Parts, Size, part
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    fixed,
-    in_turn,
-    of,
-    round_size,
-    zero_or,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size
 from roomkin.plugins.furniture.shapes import beam, box, cushion, lathe, rod, widen
 
 SLATTED = 180.0  # kg / m^3: a bed frame is not solid

@@ -8,19 +8,9 @@ import numpy as np
 from roomkin.plugins.furniture.categories.vessels import hollow
 from roomkin.plugins.furniture.category import Category, category, sized
 from roomkin.plugins.furniture.colors import GLAZES, METALS, WOODS
+from roomkin.plugins.furniture.fields import between, in_turn, of, one_of
 from roomkin.plugins.furniture.model import FILLED, GLASS, STEEL, Model, Part, Parts, Size, move_model, part
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    in_turn,
-    of,
-    one_of,
-    round_size,
-    uniform,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from roomkin.plugins.furniture.shapes import hull, lathe, rod
 
 TIN = "metal 0.6 0.61 0.63 0"

@@ -6,21 +6,10 @@ import numpy as np
 
 from roomkin.plugins.furniture.category import category
 from roomkin.plugins.furniture.colors import GLAZES, METALS, pick
+from roomkin.plugins.furniture.fields import between, fixed, in_turn, of, zero_or
 from roomkin.plugins.furniture.finishes import Surface, finish_of
 from roomkin.plugins.furniture.model import CERAMIC, METAL, PLASTIC, Model, Part, Parts, Size, move_model, part
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    Rng,
-    Sampled,
-    between,
-    fixed,
-    in_turn,
-    of,
-    round_size,
-    uniform,
-    zero_or,
-)
+from roomkin.plugins.furniture.recipe import Coating, Generator, Rng, Sampled, round_size, uniform
 from roomkin.plugins.furniture.shapes import cushion, hull, lathe, rod, shell_pieces
 
 Profile = list[tuple[float, float]]  # (radius, z), bottom first

@@ -6,21 +6,9 @@ from pydantic import ValidationError
 
 from roomkin.plugins.furniture.catalogue import CATEGORIES, GENERATORS, has_fronts, sample
 from roomkin.plugins.furniture.colors import PAINTS
+from roomkin.plugins.furniture.fields import between, chance, fixed, in_turn, of, one_of, whole, zero_or
 from roomkin.plugins.furniture.model import Model, Size
-from roomkin.plugins.furniture.recipe import (
-    Coating,
-    Generator,
-    between,
-    chance,
-    fixed,
-    in_turn,
-    of,
-    one_of,
-    round_size,
-    uniform,
-    whole,
-    zero_or,
-)  # fmt: skip
+from roomkin.plugins.furniture.recipe import Coating, Generator, round_size, uniform
 
 
 class Thing(Generator):

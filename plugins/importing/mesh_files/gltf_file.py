@@ -1,12 +1,11 @@
-"""glTF 2.0, read by trimesh. Worked out here: quantised numbers, instances, where pictures lie, colors of corners.
+"""glTF 2.0, read by trimesh. Worked out here: where pictures lie, colors of corners.
 
-What a shape needs and is not read is refused by name; what only looks need is named.
+What a shape needs and trimesh does not read is refused by name; what only looks need is named.
 """
 
 import io
 import json
 import warnings
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +13,12 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 from PIL import Image
-from scipy.spatial.transform import Rotation
 from trimesh import Scene
 from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from roomkin.plugins.importing.mesh_files.gltf_header import (
     GLOSSY,
-    INSTANCES,
     MOVED,
     STRIP,
     TRIANGLES,
@@ -43,7 +40,6 @@ Numbers = NDArray[np.float64]
 LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}  # what is 1 in a normalized accessor, by component type
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 METAL = "pbrMetallicRoughness"
-PLACES = {"_TRANSLATION": (0.0, 0, 0), "_ROTATION": (0.0, 0, 0, 1), "_SCALE": (1.0, 1, 1)}  # of instances, usually
 SAME = 1.5 / 255  # by which colors differ that are one
 
 
@@ -71,12 +67,11 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
             scene = trimesh.load_scene(io.BytesIO(data), file_type="glb" if binary else "gltf", resolver=files)
         except FileNotFoundError as error:
             raise ValueError(f"its file {error}") from None
-    placed = dict[str, Numbers]()
-    for (name, mesh), primitive in zip(scene.geometry.items(), primitives, strict=True):
+    if len(scene.graph.nodes_geometry) > MOST_SHAPES:
+        raise ValueError(f"it shows more than {MOST_SHAPES} meshes")
+    for mesh, primitive in zip(scene.geometry.values(), primitives, strict=True):
         said += _work_out(mesh, primitive, header, files)
-        if primitive["attributes"].keys() & PLACES.keys():
-            placed[name] = _instances(mesh, primitive, header)
-    return _repeat(scene, placed), [f"{path.name} {line}" for line in dict.fromkeys([*said, *lines])]
+    return scene, [f"{path.name} {line}" for line in dict.fromkeys([*said, *lines])]
 
 
 def _pictures(material: Header) -> list[tuple[Header, str]]:
@@ -121,12 +116,6 @@ def _rename_attributes(header: Header) -> list[Header]:
         mesh["primitives"] = [part for part in mesh["primitives"] if part.get("mode", TRIANGLES) in (TRIANGLES, STRIP)]
     for node in nodes:
         node.pop("camera", None)  # trimesh leaves out what such a node holds
-        places = node.get("extensions", {}).get(INSTANCES, {}).get("attributes")
-        if places and "mesh" in node:
-            meshes.append(deepcopy(meshes[node["mesh"]]))
-            node["mesh"] = len(meshes) - 1
-            for part in meshes[-1]["primitives"]:
-                part["attributes"] |= {f"_{name}": number for name, number in places.items()}
         if "mesh" in node and not meshes[node["mesh"]]["primitives"]:
             del node["mesh"]
     primitives = [part for mesh in meshes for part in mesh["primitives"]]
@@ -160,7 +149,6 @@ def _work_out(mesh: Any, primitive: Header, header: Header, files: MeshResolver)
     if len(mesh.faces) and mesh.faces.max() >= len(mesh.vertices):
         raise ValueError(f"a face names corner {mesh.faces.max()} of {len(mesh.vertices)}")
     normals = np.array(mesh.vertex_normals, dtype=float) if "NORMAL" in primitive["attributes"] else None
-    mesh.vertices = _shares(mesh.vertices, "POSITION", primitive, header)
     if normals is not None:
         mesh.vertex_normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     material = header["materials"][primitive["material"]] if "material" in primitive else {}
@@ -221,34 +209,3 @@ def _paint(mesh: Any, colors: Numbers, material: Header) -> list[str]:
         rgba[:, :3] **= 1 / GAMMA
         mesh.visual = ColorVisuals(mesh, vertex_colors=(255 * rgba).round().astype(np.uint8))
     return []
-
-
-def _instances(mesh: Any, primitive: Header, header: Header) -> Numbers:
-    """(N, 4, 4) of the copies of a mesh in its node's frame."""
-    given = primitive["attributes"].keys() & PLACES.keys()
-    found = {name: _shares(mesh.vertex_attributes.pop(name), name, primitive, header) for name in given}
-    count = len(next(iter(found.values())))
-    places, turns, scales = (found.get(name, np.tile(usual, (count, 1))) for name, usual in PLACES.items())
-    result = np.tile(np.eye(4), (count, 1, 1))
-    result[:, :3, :3] = Rotation.from_quat(turns).as_matrix() * scales[:, None, :]
-    result[:, :3, 3] = places
-    return result
-
-
-def _repeat(scene: Scene, placed: dict[str, Numbers]) -> Scene:
-    """The scene with some of its meshes, by name, repeated.
-
-    Raises:
-        ValueError: they become too many.
-    """
-    once = np.eye(4)[None]
-    shown = [(frame, str(name)) for frame, name in map(scene.graph.get, scene.graph.nodes_geometry)]
-    if sum(len(placed.get(name, once)) for _, name in shown) > MOST_SHAPES:
-        raise ValueError(f"it shows more than {MOST_SHAPES} meshes")
-    if not placed:
-        return scene
-    whole = Scene()
-    for frame, name in shown:
-        for one in placed.get(name, once):
-            whole.add_geometry(scene.geometry[name], transform=frame @ one)
-    return whole

@@ -12,9 +12,9 @@ from roomkin.stages.contracts.errors import InputError
 
 Header = dict[str, Any]
 MAGIC = b"glTF"
-QUANTIZED, INSTANCES, MOVED = "KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_texture_transform"
+INSTANCES, MOVED = "EXT_mesh_gpu_instancing", "KHR_texture_transform"
 GLOSSY, WEBP = "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp"  # which trimesh reads
-READ = {QUANTIZED, INSTANCES, MOVED, GLOSSY, WEBP}
+READ = {MOVED, GLOSSY, WEBP}
 LOOKS = ("KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")  # not its shape
 # Keys that name other parts by their numbers, and what those are.
 NAMED = {
@@ -26,6 +26,7 @@ LOOKS_ALONE = {"textures", "images", "samplers", "cameras"}  # of which too few 
 # Bytes of a number in an accessor, and how many numbers are one of it.
 COMPONENTS = {"5120": 1, "5121": 1, "5122": 2, "5123": 2, "5125": 4, "5126": 4}
 NUMBERS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+INTEGERS = (5120, 5121, 5122, 5123)  # of up to two bytes, which shares of positions and normals are kept in
 NEWEST = 2.0  # version that is read
 TRIANGLES, STRIP, FAN = 4, 5, 6
 
@@ -128,7 +129,11 @@ def refuse_unread(path: Path, header: Header) -> None:
     nodes, parts = header.get("nodes", []), [part for mesh in header.get("meshes", []) for part in mesh["primitives"]]
     if len(nodes) > MOST_SHAPES:
         raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
+    named = [part["attributes"].get(key) for part in parts for key in ("POSITION", "NORMAL")]
+    shaped = [one for number, one in enumerate(header.get("accessors", [])) if number in named]
     found = {
+        "quantised numbers": any(one.get("componentType") in INTEGERS for one in shaped),
+        "instances": any(INSTANCES in node.get("extensions", {}) for node in nodes),
         "skins": any("skin" in node for node in nodes),
         "morph targets": any("targets" in part for part in parts),
         "triangle fans": any(part.get("mode") == FAN for part in parts),

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.markup import TextTable
 from roomkin.stages.tables.rows import records
 from roomkin.stages.tables.text import number
 
@@ -46,7 +46,7 @@ def by_stage(jobs: pd.DataFrame, stages: list[str]) -> pd.DataFrame:
     return table.astype({"jobs": int}).reset_index(names="stage")
 
 
-def times_table(stages: pd.DataFrame) -> Table:
+def times_table(stages: pd.DataFrame) -> TextTable:
     """Time and memory by stage; `stages` as `by_stage` gives."""
     stages = stages.assign(memory=[f"{number(one, 0)} MiB" if one == one else "" for one in stages["memory"]])
     rows = [
@@ -58,14 +58,14 @@ def times_table(stages: pd.DataFrame) -> Table:
         "jobs and so is a lower bound."
     ]
     columns = ["Stage", "Jobs", "Job time", "CPU time", "Peak memory"]
-    return Table("cost", "Time by stage.", columns, rows, notes=notes)
+    return TextTable("cost", "Time by stage.", columns, rows, notes=notes)
 
 
-def longest_table(jobs: pd.DataFrame) -> Table:
+def longest_table(jobs: pd.DataFrame) -> TextTable:
     """The jobs that took longest, as many as fit a screen."""
     longest = jobs.sort_values(["seconds", "name"], ascending=[False, True]).head(10)
     rows = [[row["name"], duration(row["seconds"]), duration(row["cpu_seconds"])] for row in records(longest)]
-    return Table("longest", "The longest jobs.", ["Job", "Job time", "CPU time"], rows)
+    return TextTable("longest", "The longest jobs.", ["Job", "Job time", "CPU time"], rows)
 
 
 def duration(seconds: float) -> str:

@@ -17,7 +17,7 @@ from roomkin.stages.contracts.episode_store import read_attempts, read_metrics
 from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.policies import TaskAssets
 from roomkin.stages.tables.intervals import wilson
-from roomkin.stages.tables.markup import Table
+from roomkin.stages.tables.markup import TextTable
 from roomkin.stages.tables.order import set_key, sort_key, target_title, title
 from roomkin.stages.tables.text import NOTHING, cell, percent, span
 
@@ -35,8 +35,8 @@ class TargetPart(NamedTuple):
     title: str
     plan: TaskAssets | None
     pictures: list[PagePicture]
-    assets: list[Table]
-    demonstrations: Table | None
+    assets: list[TextTable]
+    demonstrations: TextTable | None
     films: Films
     curves: dict[str, Markup]
     rollouts: dict[str, Films]
@@ -75,7 +75,7 @@ def losses(rows: list[dict[str, Any]]) -> dict[str, Points]:
     return series
 
 
-def _demonstrations(ledgers: list[Path], target: str, confidence: float) -> Table | None:
+def _demonstrations(ledgers: list[Path], target: str, confidence: float) -> TextTable | None:
     """A row per asset: success with its interval, and why attempts failed."""
     rows = []
     for ledger in ledgers:
@@ -88,7 +88,7 @@ def _demonstrations(ledgers: list[Path], target: str, confidence: float) -> Tabl
         rows.append([role_title(ledger.parent.name), tried[0].asset, rate, f"{kept}/{len(tried)}", causes])
     columns = ["Asset", "Model", "Success", "Kept / tried", "Why attempts failed"]
     caption = "Demonstrations by asset; only successes become data."
-    return Table(f"demonstrations-{target}", caption, columns, rows, headers=2) if rows else None
+    return TextTable(f"demonstrations-{target}", caption, columns, rows, headers=2) if rows else None
 
 
 def _policy_name(folder: Path) -> str:

@@ -12,7 +12,7 @@ from roomkin.stages.contracts.things import Thing, Things
 from roomkin.stages.geometry.masks import outline_mask
 
 
-class LeftOut(NamedTuple):
+class UnplacedThing(NamedTuple):
     """A thing that was found and is not placed.
 
     outlines: of its pixels, as points of SVG. at: where its name stands, the highest pixel.
@@ -36,10 +36,10 @@ def read_said(folder: Path) -> Matched:
     return match_corrections(read_corrections([path]), read_masks(folder / "masks.png"), digest_of_picture(folder))
 
 
-def list_left_out(things: Things | None, folder: Path, said: Matched) -> list[LeftOut]:
+def list_left_out(things: Things | None, folder: Path, said: Matched) -> list[UnplacedThing]:
     """Things that were left out and nobody has taken; `folder`: of the input, with masks.png."""
     taken = {mask for item in said.corrections.values() for mask in (item.mask, *item.joins)}
-    found: list[LeftOut] = []
+    found: list[UnplacedThing] = []
     if things is None:
         return found
     masks = read_masks(folder / "masks.png")
@@ -47,5 +47,5 @@ def list_left_out(things: Things | None, folder: Path, said: Matched) -> list[Le
         if thing.mask not in taken and (masks == thing.mask).any():
             curves = outline_mask(masks == thing.mask)
             x, y = min((point for curve in curves for point in curve), key=lambda point: point[1])
-            found.append(LeftOut(thing, [" ".join(f"{u},{v}" for u, v in curve) for curve in curves], (x, y)))
+            found.append(UnplacedThing(thing, [" ".join(f"{u},{v}" for u, v in curve) for curve in curves], (x, y)))
     return found

@@ -11,7 +11,7 @@ import yaml
 from roomkin.plugins.scenes.chance import EYE, are_all_seen, draw_room, frame, redraw_recipe
 from roomkin.plugins.scenes.config import ScenesConfig
 from roomkin.plugins.scenes.layout import CastRoom, arrange, cast, scale_of
-from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Item, On, Room
+from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Item, On, RoomPlan
 from roomkin.plugins.scenes.room_files import read_room, room_files, series
 from roomkin.stages.contracts import InputError
 from roomkin.stages.geometry.boxes import UprightBox, corners, footprint
@@ -42,7 +42,7 @@ def test_counts_and_scales_of_table_2(cast_rooms: dict[str, CastRoom]) -> None:
 
 
 @pytest.mark.parametrize("room", [ROOMS[2], ROOMS[7]], ids=lambda room: room.name)
-def test_a_room_drawn_by_chance_keeps_its_scale_and_hides_nothing(room: Room) -> None:
+def test_a_room_drawn_by_chance_keeps_its_scale_and_hides_nothing(room: RoomPlan) -> None:
     drawn = [draw_room(room, default_models(0), seed, NOWHERE, ScenesConfig()) for seed in (1, 1, 2)]
     places = [[tuple(np.round(item.box.center, 6)) for item in one.layout.standing.values()] for one in drawn]
     assert places[0] == places[1] != places[2]
@@ -187,7 +187,7 @@ def test_places_of_a_small_room() -> None:
         item("d", floor=(4.0, 1.5), yaw=90),
         item("e", on_top="a", forward=1.0, right=1.0, yaw=90),
     )
-    room = Room(name="test", scale=4.0, items=items, walls=("back", "left"), half_width=2.0)
+    room = RoomPlan(name="test", scale=4.0, items=items, walls=("back", "left"), half_width=2.0)
     sizes = {
         "a": (0.6, 1.0, 0.8),
         "b": (0.4, 0.5, 0.5),

@@ -3,11 +3,11 @@
 import pytest
 
 from roomkin.plugins.studies.study import FOLDED, fold_table, split_totals
-from roomkin.stages.tables.markup import Table, markdown
+from roomkin.stages.tables.markup import TextTable, markdown
 
 
-def table(rows: int, notes: list[str]) -> Table:
-    return Table("t", "A caption.", ["Scene", "Value"], [[f"room {k}", str(k)] for k in range(rows)], notes=notes)
+def table(rows: int, notes: list[str]) -> TextTable:
+    return TextTable("t", "A caption.", ["Scene", "Value"], [[f"room {k}", str(k)] for k in range(rows)], notes=notes)
 
 
 @pytest.mark.parametrize("notes", [[], ["One note."], ["One note.", "Another note."]])

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.contracts.category import Category, UsualSize, find_category
+from roomkin.stages.contracts.category import CategoryFacts, UsualSize, find_category
 from roomkin.stages.contracts.errors import list_plain_words, plain_letters
 
 FILE = Path(__file__).with_name("categories.json")
@@ -20,9 +20,9 @@ SHORTEST_END = 5  # letters of a Latin word that ends another one (Bürostuhl); 
 
 
 @cache
-def known_categories() -> Mapping[str, Category]:
+def known_categories() -> Mapping[str, CategoryFacts]:
     """By name, in order of name."""
-    rows = [Category.model_validate(row) for row in json.loads(FILE.read_text(encoding="utf-8"))]
+    rows = [CategoryFacts.model_validate(row) for row in json.loads(FILE.read_text(encoding="utf-8"))]
     return {row.name: row for row in rows}
 
 

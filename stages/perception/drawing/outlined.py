@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts.categories import find_usual_size, known_categories, sizes_of, usual_depth
-from roomkin.stages.contracts.category import Category, find_category
+from roomkin.stages.contracts.category import CategoryFacts, find_category
 from roomkin.stages.contracts.types import Pixel
 from roomkin.stages.geometry.boxes import UprightBox, corners, front_corners
 from roomkin.stages.geometry.frames import yaw_matrix
@@ -65,7 +65,7 @@ def weigh_names(names: Names, hangs: bool, width: float, height: float) -> Names
     return names.weigh(weights)
 
 
-def is_standing(category: Category | None) -> bool:
+def is_standing(category: CategoryFacts | None) -> bool:
     """Whether nothing of a category's kind hangs: a cabinet, by that word alone, may."""
     hanging = {kind for one in known_categories().values() if "wall" in one.places for kind in one.kin}
     return category is not None and hanging.isdisjoint(category.kin)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts.categories import known_categories
-from roomkin.stages.contracts.category import Category, SizeSpread, find_category
+from roomkin.stages.contracts.category import CategoryFacts, SizeSpread, find_category
 from roomkin.stages.perception.classification.names import CARRIERS
 
 Array = NDArray[np.float64]
@@ -145,7 +145,7 @@ def kind_of(label: str) -> Kind:
     return Kind(kin, tuple(category.places), usual_of(category), depth, carries, legs)
 
 
-def usual_of(category: Category | None) -> SizeSpread:
+def usual_of(category: CategoryFacts | None) -> SizeSpread:
     """The usual width, depth and height of a category."""
     spread = category.measure_spread() if category else None
     return spread.turn() if spread else UNKNOWN

@@ -29,9 +29,6 @@ COLMAP = {  # names of the parameters after width and height; no other model of 
     "RADIAL": "f cx cy k1 k2",
     "OPENCV": "fx fy cx cy k1 k2 p1 p2",
     "FULL_OPENCV": "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6",
-    "SIMPLE_RADIAL_FISHEYE": "f cx cy k1",
-    "RADIAL_FISHEYE": "f cx cy k1 k2",
-    "OPENCV_FISHEYE": "fx fy cx cy k1 k2 k3 k4",
 }
 MAX_YAML = 1_000_000  # characters, which take half a minute; chosen
 CORNER = 0.5  # pixels: where COLMAP and NeRF tools have the middle of the first pixel; here it is at 0

@@ -23,30 +23,22 @@ MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv
           "simple_radial", "pinhole", "perspective", ""}  # fmt: skip
 COUNTS = (5, 8, 12, 14)  # of OpenCV's coefficients
 INVERSE = "inverse_brown_conrady"  # RealSense: from bent to straight
-FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # k1 to k4 of Kannala and Brandt, as in cv2.fisheye
+FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # names of Kannala and Brandt's model, which is not read
 LEAST_LEFT = 1 / 3  # of the pixels of a picture made straight: an action camera leaves nine tenths; chosen
-MAX_VIEW = np.deg2rad(110)  # of a straightened fisheye picture: beyond, little is left of its middle; chosen
-CALIBRATION = (
-    "K and k1, k2, p1, p2, k3 (of a lens that is called fisheye k1 to k4) as OpenCV, ROS and Kalibr write them"
-)
+CALIBRATION = "K and k1, k2, p1, p2, k3 as OpenCV, ROS and Kalibr write them"
 
 
 @dataclass(frozen=True)
 class Lens:
-    """K and OpenCV's coefficients (5 to 14), or (4) those of a fisheye lens; none where nobody states them."""
+    """K and OpenCV's coefficients (5 to 14); none where nobody states them."""
 
     intrinsics: Matrix
     distortion: NDArray[np.float64] | None = None
 
     @property
-    def fisheye(self) -> bool:
-        """Whether the coefficients are Kannala and Brandt's."""
-        return self.distortion is not None and len(self.distortion) == 4
-
-    @property
     def bends(self) -> bool:
         """Whether it is no pinhole."""
-        return self.fisheye or (self.distortion is not None and bool(self.distortion.any()))
+        return self.distortion is not None and bool(self.distortion.any())
 
 
 def read_lens(path: Path, width: int, height: int, picture: str = "") -> Lens:
@@ -63,7 +55,7 @@ def read_lens(path: Path, width: int, height: int, picture: str = "") -> Lens:
 def find_distortion(
     path: Path, known: list[float] | dict[str, Any], intrinsics: Matrix, width: int, height: int
 ) -> NDArray[np.float64] | None:
-    """OpenCV's coefficients (5, 8, 12 or 14; 4: of a fisheye lens) in what a file states; None if it names none.
+    """OpenCV's coefficients (5, 8, 12 or 14) in what a file states; None if it names none.
 
     Raises:
         InputError: they are of a model that is not read, or broken.
@@ -74,7 +66,8 @@ def find_distortion(
     model = re.sub(r"\W+", "_", str(model or "").lower()).removeprefix("rs2_").removeprefix("distortion_")
     camera = f"{model} {find_first(known, 'cameramodel', 'cameratype')}".lower()
     if any(word in camera for word in FISHEYE) or known.get("isfisheye"):
-        return _read_fisheye(path, known)
+        mend = "straighten the picture with cv2.fisheye, and give the K of what it becomes"
+        raise InputError(path, "is of a fisheye lens, which is not read.", mend, code="E-LENS-MODEL")
     if model == "none" or all(known.get(name) in (None, []) for name in ("k1", *LISTS)):
         others = [name for name, value in known.items() if _is_of_lens(name, value)]
         if others and model != "none":
@@ -116,13 +109,6 @@ def _invert_distortion(
     down = np.stack([y * r2, y * r2**2, r2 + 2 * y**2, 2 * x * y, y * r2**3], axis=1)
     missing = np.concatenate([bent[:, 0] - x, bent[:, 1] - y])
     return np.asarray(np.linalg.lstsq(np.concatenate([across, down]), missing)[0])
-
-
-def _read_fisheye(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
-    found = _read_numbers(known, ("k1", "k2", "k3", "k4"))
-    if len(found) < 4 or found[4:].any() or not np.isfinite(found).all():  # RealSense writes a fifth, which is 0
-        raise InputError(path, "holds no distortion of a fisheye lens.", CALIBRATION, code="E-LENS-MISSING")
-    return found[:4]
 
 
 def _read_coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
@@ -184,40 +170,21 @@ def straighten_frame(frame: Frame, distortion: NDArray[np.float64] | None) -> Fr
 
 def _choose_pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
     """K of the pinhole camera all of whose pixels are in the picture."""
-    if lens.fisheye:
-        focal = _find_fisheye_focal(lens, width, height)
-    else:
-        whole, _ = cv2.getOptimalNewCameraMatrix(
-            lens.intrinsics, lens.distortion, (width, height), 0, (width, height), centerPrincipalPoint=True
-        )
-        focal = float(max(whole[0, 0], whole[1, 1]))
+    whole, _ = cv2.getOptimalNewCameraMatrix(
+        lens.intrinsics, lens.distortion, (width, height), 0, (width, height), centerPrincipalPoint=True
+    )
+    focal = float(max(whole[0, 0], whole[1, 1]))
     target = make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
     pixels = np.arange(width * height, dtype=np.float32).reshape(height, width)
     share = len(np.unique(_remap(target, pixels, lens, cv2.INTER_NEAREST))) / pixels.size
-    if not 0.2 * width < focal < 20 * width or (not lens.fisheye and share < LEAST_LEFT):
+    if not 0.2 * width < focal < 20 * width or share < LEAST_LEFT:
         what = f"bends the picture so much that {100 * share:.0f} % of its pixels are left."
         raise InputError(where, what, CALIBRATION, code="E-LENS-WIDE")
     return target
 
 
-def _find_fisheye_focal(lens: Lens, width: int, height: int) -> float:
-    """The least focal length, from that of `MAX_VIEW` on, at which all borders show what is in the picture."""
-    assert lens.distortion is not None
-    last = np.array([width - 1, height - 1], dtype=float)
-    share = np.linspace(-0.5, 0.5, 50)
-    sides = [np.column_stack([share, 0 * share + end]) for end in (-0.5, 0.5)]
-    borders = np.concatenate([*sides, *(side[:, ::-1] for side in sides)]) * last
-    focal = width / 2 / float(np.tan(MAX_VIEW / 2))
-    while focal < 20 * width:
-        seen = cv2.fisheye.distortPoints((borders / focal)[:, None], lens.intrinsics, lens.distortion)
-        if (seen >= 0).all() and (seen <= last).all():
-            break
-        focal *= 1.01
-    return focal
-
-
 def _remap(target: Matrix, image: NDArray[Any], lens: Lens, interpolation: int) -> NDArray[Any]:
     """An image (H, W, ...) as a camera with this K sees it."""
-    straighten = cv2.fisheye.initUndistortRectifyMap if lens.fisheye else cv2.initUndistortRectifyMap
-    maps = straighten(lens.intrinsics, lens.distortion, np.eye(3), target, image.shape[1::-1], cv2.CV_32FC1)
+    size = image.shape[1::-1]
+    maps = cv2.initUndistortRectifyMap(lens.intrinsics, lens.distortion, np.eye(3), target, size, cv2.CV_32FC1)
     return np.asarray(cv2.remap(image, *maps, interpolation), dtype=image.dtype)

@@ -1,7 +1,4 @@
-"""The environment of Putting Away Bowl: a cabinet with a drawer and, before it, a bowl on a stand.
-
-The bowl: an asset folder, and how large it may be to go into a drawer.
-"""
+"""The environment of Putting Away Bowl: a bowl that fits, on a stand before a cabinet with a drawer."""
 
 import hashlib
 from collections.abc import Sequence
@@ -33,7 +30,7 @@ from roomkin.stages.simulation.target import Target
 from roomkin.stages.tasks.base_placement import CLOSED
 from roomkin.stages.tasks.environment import OpenTaskEnv
 from roomkin.stages.tasks.initial_state import nominal_root
-from roomkin.stages.tasks.observation import WRIST, Camera, other_shoulder, shoulder
+from roomkin.stages.tasks.observation import WRIST, MountedCamera, other_shoulder, shoulder
 
 PROFILE = [(0.039, 0.0), (0.0598, 0.02), (0.065, 0.05)]  # of the default bowl: (radius, height) of its outside, metres
 WALL = 0.012  # metres; as of wood, as PhysX lets go of thin walls
@@ -144,7 +141,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
     def __init__(self, *args: Any, options: TaskConfig | dict[str, Any] | None = None, **kwargs: Any) -> None:
         super().__init__(*args, options=with_stand_in_view(TaskConfig.model_validate(options or {})), **kwargs)
 
-    def cameras(self) -> Sequence[Camera]:
+    def cameras(self) -> Sequence[MountedCamera]:
         return [shoulder(self.options), other_shoulder(self.options), WRIST]
 
     def seen_ids(self, index: int = 0) -> NDArray[np.int16]:

@@ -1,1 +1,0 @@
-"""Policies of this package, by the name of their module."""

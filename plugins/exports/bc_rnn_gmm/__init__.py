@@ -1,1 +1,0 @@
-"""The policy `bc_rnn_gmm` for people without this workflow."""

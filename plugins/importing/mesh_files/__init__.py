@@ -1,1 +1,0 @@
-"""Mesh files that assets of ours are not: a module per suffix, with its `READER`."""

@@ -1,1 +1,0 @@
-"""Depth of a picture by a network."""

@@ -1,1 +1,0 @@
-"""Patch encoders of this package."""

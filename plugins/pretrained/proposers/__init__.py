@@ -1,1 +1,0 @@
-"""Outlines by pretrained networks."""

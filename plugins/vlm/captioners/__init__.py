@@ -1,1 +1,0 @@
-"""Captions of what is in a picture, by a language model."""
