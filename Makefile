@@ -23,45 +23,51 @@ STUDY := -$(RUN) config/study/table3.yaml config/study/roles.yaml --
 SETS := twin cousins_8 cousins_2 cousins_4 all
 cells = $(foreach policy,$(1),$(foreach set,$(2),results/evaluation/policies/$(policy)/$(set)/rollouts.csv))
 
-.PHONY: help no-picture setup site wheel demo all table3 table3-object unseen registered table2 paper folder weights picture test verify slurm test-cluster lint types config reference lock containers clean
+.PHONY: help no-picture setup ready check site wheel demo all table3 table3-object unseen registered table2 paper folder weights picture test verify slurm test-cluster lint types config reference lock containers clean
 help: ## list the commands
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 setup: $(STAMP) ## create .venv from the pinned requirements, make sure a Vulkan device exists
 	@$(BIN)/python -m roomkin.plugins.ops.doctor --mend
 
+ready: $(STAMP)
+	@$(BIN)/python -m roomkin.plugins.ops.doctor --mend --brief
+
+check: $(STAMP) ## what this machine has and lacks, and what mends it
+	@$(BIN)/python -m roomkin.plugins.ops.doctor
+
 $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 	@bash envs/setup.sh
 	@touch $@
 
-demo: setup ## a picture, its cousins and a scene to turn, in two minutes
+demo: ready ## a picture, its cousins and a scene to turn, in two minutes
 	@$(BIN)/python -m roomkin demo --cores $(CORES)
 
-all: setup ## run the default workflow: library, scenes, policies, tables, report
+all: ready ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all
 
-table3: setup folder ## Table 3, Figures 4 and 9 as the paper has them, in four hours on two cores
+table3: ready folder ## Table 3, Figures 4 and 9 as the paper has them, in four hours on two cores
 	$(STUDY) $(call cells,door/lite,$(SETS))
 	$(STUDY) $(call cells,drawer/lite,$(SETS))
 	$(STUDY) table3
 	$(RESULTS) config/study/table3.yaml config/study/roles.yaml --out docs/results
 
-table3-object: setup folder ## the same where policies see the whole object, as the paper's do, in a folder of its own (IN): six hours
+table3-object: ready folder ## the same where policies see the whole object, as the paper's do, in a folder of its own (IN): six hours
 	-$(RUN) config/study/table3.yaml config/study/roles.yaml config/study/object_cloud.yaml -- table3
 	$(RESULTS) config/study/table3.yaml config/study/roles.yaml config/study/object_cloud.yaml --out docs/results/object
 
-unseen: setup folder ## success over unseen assets, in an hour or two on two cores
+unseen: ready folder ## success over unseen assets, in an hour or two on two cores
 	$(RUN) config/study/table3.yaml config/study/over_assets.yaml -- table3
 	$(RESULTS) config/study/table3.yaml config/study/over_assets.yaml --out docs/results/unseen
 
-registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
+registered: ready ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
 	PATH=$(HERE)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
 
-table2: setup weights folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
+table2: ready weights folder ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(RUN) config/study/table2.yaml -- table2 table2_robustness
 	$(RESULTS) config/study/table2.yaml --table 2 --variants b ours-geometry --out docs/results
 
-paper: setup ## every figure of docs/results by one commit, but what is pinned in its machines.md: a day of two cores; it goes on where it stopped
+paper: ready ## every figure of docs/results by one commit, but what is pinned in its machines.md: a day of two cores; it goes on where it stopped
 	PATH=$(HERE)/$(BIN):$$PATH CORES=$(CORES) snakemake --cores $(CORES) --keep-going --snakefile plugins/studies/paper.smk --directory results/paper
 
 folder:
@@ -70,13 +76,13 @@ folder:
 weights: $(STAMP) ## fetch the weights of the four networks that look at pictures, 300 MB, once; a line says if that fails
 	@$(BIN)/python -m roomkin.stages.perception fetch
 
-picture: $(if $(RGB),setup,no-picture) ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
+picture: $(if $(RGB),ready,no-picture) ## a photograph of yours, e.g. make picture RGB=kitchen.jpg; with depth: DEPTH=depth.png INTRINSICS=camera.json; RGB=FOLDER: all frames of a recording
 	@$(BIN)/python -m roomkin picture --cores $(CORES) $(call typed,,RGB) $(call typed,--depth,DEPTH) $(call typed,--intrinsics,INTRINSICS)
 
 no-picture:
 	@echo "error: no picture is named. Fix: make picture RGB=kitchen.jpg" >&2; exit 1
 
-test: setup lint types ## lint, types and all tests; Chromium for those of the report page
+test: ready lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh
 	PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $(BIN)/python -m pytest -p xdist -n $(CORES) --dist loadfile --no-loadscope-reorder
 
@@ -89,7 +95,7 @@ wheel: $(STAMP) ## the package for pip, and its source: dist/
 slurm: $(STAMP) ## the executor plugin that profiles/slurm needs
 	VIRTUAL_ENV=.venv $(BIN)/uv pip install --quiet --require-hashes -r envs/slurm.txt
 
-test-cluster: setup slurm ## the workflow on a real SLURM of two nodes on this machine, and its faults; installs SLURM (as root)
+test-cluster: ready slurm ## the workflow on a real SLURM of two nodes on this machine, and its faults; installs SLURM (as root)
 	bash envs/slurm.sh
 	$(BIN)/python -m pytest -m cluster $(CLUSTER)
 

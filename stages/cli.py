@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 from roomkin.stages.contracts.section import SEEDS
 
 T = TypeVar("T")
+WRITTEN = ("out", "figures")  # arguments of commands, which make what they name
 SECONDS = 5.0  # from one line of progress to the next
 
 
@@ -30,7 +31,7 @@ def main(package: str, commands: dict[str, str], more: str = "", also: Iterable[
         more: what --help says below them.
         also: words beside the commands that a misspelt one may have meant.
     """
-    from roomkin.stages.contracts.errors import InputError, suggest_nearest
+    from roomkin.stages.contracts.errors import InputError, file_missing, suggest_nearest
     from roomkin.stages.contracts.system import line_of, start_job
 
     program = " ".join(dict.fromkeys(["roomkin", package.rpartition(".")[2]]))
@@ -48,6 +49,10 @@ def main(package: str, commands: dict[str, str], more: str = "", also: Iterable[
     if fault := find_wrong_flag(f"{package}.{find_module(argv[0])}", argv[1:]):
         print(f"error: {program} {argv[0]}: {fault}", file=sys.stderr)
         sys.exit(2)
+    if missing := find_missing_path(f"{package}.{find_module(argv[0])}", argv[1:]):
+        error = file_missing(missing)
+        print(f"error: {error} [{error.code}]", file=sys.stderr)
+        sys.exit(1)
     import tyro
 
     start_job()
@@ -90,13 +95,59 @@ def list_flags(module: str) -> dict[str, bool]:
 
     By the text of the module, as what it imports may take seconds.
     """
+    run = _read_arguments(module)
+    if run is None or run.args:
+        return {}
+    arguments = zip(run.kwonlyargs, run.kw_defaults, strict=True)
+    return {f"--{argument.arg.replace('_', '-')}": default is None for argument, default in arguments}
+
+
+def find_missing_path(module: str, given: list[str]) -> str:
+    """What a command is to read and is not there, by the text of its module; "" if nothing, or help is wanted.
+
+    It reads its paths that have no default, or none (`None`, `()`), but those of `WRITTEN`.
+    """
+    run = _read_arguments(module)
+    if run is None or run.args or {"-h", "--help"}.intersection(given):
+        return ""
+    flags = {f"--{one.arg.replace('_', '-')}": one for one in run.kwonlyargs}
+    picture = next((one for one in run.posonlyargs if _kind(one) == "Path"), None)  # Path | None: or a scene's name
+    defaults = zip(run.kwonlyargs, run.kw_defaults, strict=True)
+    read = [picture, *(one for one, default in defaults if default is None or ast.unparse(default) in ("None", "()"))]
+    one = picture
+    for word in given:
+        flag, is_pair, value = word.partition("=") if word.startswith("--") else ("", "", word)
+        if flag:
+            one = flags.get(flag.replace("_", "-"))
+            if not is_pair:
+                continue
+        if one and one in read and "Path" in _kind(one) and one.arg not in WRITTEN and not _is_there(value):
+            return value
+        if not _kind(one).startswith(("tuple", "list")):
+            one = picture
+    return ""
+
+
+def _kind(argument: ast.arg | None) -> str:
+    return ast.unparse(argument.annotation) if argument and argument.annotation else ""
+
+
+def _read_arguments(module: str) -> ast.arguments | None:
+    """Those of the function `run` of a module."""
     spec = importlib.util.find_spec(module)
     text = Path(spec.origin).read_text(encoding="utf-8") if spec and spec.origin else ""
-    runs = [each.args for each in ast.parse(text).body if isinstance(each, ast.FunctionDef) and each.name == "run"]
-    if not runs or runs[0].args:
-        return {}
-    arguments = zip(runs[0].kwonlyargs, runs[0].kw_defaults, strict=True)
-    return {f"--{argument.arg.replace('_', '-')}": default is None for argument, default in arguments}
+    runs = (each.args for each in ast.parse(text).body if isinstance(each, ast.FunctionDef) and each.name == "run")
+    return next(runs, None)
+
+
+def _is_there(path: str) -> bool:
+    try:
+        Path(path).stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except OSError:
+        pass  # whoever reads it says why that cannot be
+    return True
 
 
 def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:

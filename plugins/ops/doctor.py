@@ -1,8 +1,9 @@
-"""Say what this machine has and lacks: `roomkin check [--mend]`.
+"""Say what this machine has and lacks: `roomkin check [--mend] [--brief]`.
 
 Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
 mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root
-on Debian or Ubuntu.
+on Debian or Ubuntu. `--brief`, of every `make`: where all was well, and the environment is as it was
+then, drivers are not tried again, and only what is missing is told.
 Exit code 1 if something that the default run needs is missing.
 """
 
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
@@ -196,28 +198,39 @@ def mend_check(check: Mendable) -> Check:
     return check()
 
 
+def quick_checks() -> list[Check]:
+    """Those that start no driver and import nothing large."""
+    return [check_python(), check_folder(Path(sys.executable).parent), check_packages(), check_disk()]
+
+
 def checks(mend: bool) -> list[Check]:
     """Those about this machine."""
     vulkan, open3d = (mend_check(check) if mend else check() for check in (check_vulkan, check_open3d))
-    found = [
-        check_python(),
-        check_folder(Path(sys.executable).parent),
-        check_packages(),
-        vulkan,
-        open3d,
-        check_cuda(),
-        check_disk(),
-    ]
-    return [*found, check_containers(), *check_weights()]
+    *first, disk = quick_checks()
+    return [*first, vulkan, open3d, check_cuda(), disk, check_containers(), *check_weights()]
+
+
+def describe_environment(installed: Path) -> str:
+    """What the checks of drivers depend on: when it was set up, and the drivers that are named; "": not by `make`."""
+    if not installed.is_file():
+        return ""
+    return f"{installed.stat().st_mtime_ns} {[os.environ.get(name) for name in DRIVERS]}"
 
 
 def main(arguments: list[str]) -> int:
     """Print all checks; returns the exit code."""
-    if strange := [one for one in arguments if one != "--mend"]:
+    if strange := [one for one in arguments if one not in ("--mend", "--brief")]:
         wants_help = strange[0] in ("-h", "--help")
-        print(__doc__ if wants_help else f"error: there is no {strange[0]}. Fix: --mend, or nothing")
+        print(__doc__ if wants_help else f"error: there is no {strange[0]}. Fix: --mend, --brief, or nothing")
         return 0 if wants_help else 2
-    return report(checks("--mend" in arguments))
+    record, now = Path(sys.prefix, ".checked"), describe_environment(Path(sys.prefix, ".installed"))
+    if now and "--brief" in arguments and record.is_file() and record.read_text(encoding="utf-8") == now:
+        return report([check for check in quick_checks() if not check.good])
+    code = report(checks("--mend" in arguments))
+    if now:
+        with suppress(OSError):  # an environment that others own is checked every time
+            record.write_text("" if code else now, encoding="utf-8")
+    return code
 
 
 def report(found: list[Check]) -> int:

@@ -128,25 +128,25 @@ class Hand:
                 self.fill(name, count)
 
 
-def wait_until(page: Any, true: Callable[[], bool]) -> None:
-    """Go on as soon as `true` holds; the page's events are heard meanwhile."""
+def wait_for(true: Callable[[], bool], page: Any = None) -> None:
+    """Wait for a state of files, of the server, or of what a page sends: its events are heard meanwhile."""
     until = time.monotonic() + 20
     while not true():
         assert time.monotonic() < until
-        page.wait_for_timeout(20)
+        page.wait_for_timeout(20) if page else time.sleep(0.02)
 
 
-def serve(session: Session) -> PageServer:
+def serve(session: Session, other: Callable[[], Any] | None = None) -> PageServer:
     """A server in a thread of its own; `shutdown` ends it."""
-    server = PageServer(session)
+    server = PageServer(session, other=other)
     Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
     return server
 
 
 @contextmanager
-def watched(browser: Any, session: Any, ready: str) -> Iterator[Any]:
+def watched(browser: Any, session: Any, ready: str, other: Callable[[], Any] | None = None) -> Iterator[Any]:
     """The page of a session once `ready` is there; nothing may be complained of."""
-    server = serve(session)
+    server = serve(session, other)
     page = browser.new_page(viewport={"width": 1400, "height": 900})
     page.set_default_timeout(20_000)
     complaints: list[str] = []

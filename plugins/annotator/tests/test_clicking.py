@@ -15,7 +15,7 @@ from roomkin.plugins.annotator.clicking import LACKING, Asked, Clicker
 from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.plugins.annotator.server import PageServer
 from roomkin.plugins.annotator.session import Session
-from roomkin.plugins.annotator.tests.annotate_page import wait_until, watched
+from roomkin.plugins.annotator.tests.annotate_page import wait_for, watched
 from roomkin.plugins.annotator.tests.seen_things import KnownClicker
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from roomkin.plugins.annotator.tests.test_by_hand import BOXES, HEIGHT, VIEW, WIDTH, _drawing, _pixels
@@ -329,8 +329,10 @@ def test_a_photograph_is_drawn_by_clicks(drawn: tuple[Any, Session]) -> None:
     page.keyboard.press("g")
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
     assert _shown(_project(session).objects[0]).sum() < 0.6 * THINGS["oven"].sum()
+    called = item.label
     _click(page, 140, 160)  # what more belongs to it
     (item,) = _project(session).objects
+    assert item.label == called, "a click on what belongs to something else renames nothing"
     assert len(item.pieces) == 1 and _shown(item)[160, 140]
     page.keyboard.down("Shift")
     _click(page, 140, 160)
@@ -359,7 +361,7 @@ def test_a_name_ends_a_thing_and_moves_its_box_until_a_person_has_moved_that(
     before = _project(session).objects[0]
     assert before.label == "" and page.locator("#proposals button").first.text_content() == "oven"
     page.locator("#proposals button").first.click()
-    wait_until(page, lambda: _project(session).objects[0].points != before.points)
+    wait_for(lambda: _project(session).objects[0].points != before.points)
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
     after = _project(session).objects[0]
     assert after.label == "oven"

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from roomkin.plugins.annotator import annotate
 from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.plugins.annotator.shown import ShownPicture, ShownThing
-from roomkin.plugins.annotator.tests.annotate_page import wait_until, watched
+from roomkin.plugins.annotator.tests.annotate_page import wait_for, watched
 from roomkin.plugins.annotator.tests.corrected_scene import read_told_to
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from roomkin.stages.contracts import Camera, InputError, Objects, read_json, write_json, write_text
@@ -437,7 +437,7 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, sour
     assert [item.label for item in saved().objects] == ["stool", "floor", "wall"]
     page.keyboard.press("Control+z")
     assert len(saved().objects) == 4
-    page.keyboard.press("b")
+    page.keyboard.press("f")
     drag((330, 150), (380, 200))
     page.wait_for_function("() => document.activeElement.id === 'label'")
     page.keyboard.type("clock")
@@ -485,7 +485,7 @@ def test_what_changes_while_it_is_saved_is_not_called_saved(opened: Any) -> None
     answer.value.finished()
     page.wait_for_timeout(100)
     assert page.locator("#saved").text_content() == "…"
-    wait_until(page, lambda: len(asked) > 1)  # the next one is sent after a quarter of a second
+    wait_for(lambda: len(asked) > 1, page)  # the next one is sent after a quarter of a second
     asked[1].continue_()
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
     page.unroute("**/save")

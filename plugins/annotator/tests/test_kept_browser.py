@@ -11,7 +11,7 @@ import pytest
 
 from roomkin.plugins.annotator.server import PageServer
 from roomkin.plugins.annotator.session import Session
-from roomkin.plugins.annotator.tests.annotate_page import serve, wait_until
+from roomkin.plugins.annotator.tests.annotate_page import serve, wait_for
 from roomkin.plugins.annotator.tests.test_annotate_browser import ROOM, browser  # noqa: F401
 from roomkin.stages.contracts import files
 from roomkin.stages.contracts.hand import PROJECT
@@ -175,7 +175,7 @@ def test_a_full_disk_is_told_on_the_page_until_there_is_room(
         assert path.read_bytes() == before and [one.name for one in path.parent.iterdir()] == [PROJECT]
         page.on("dialog", lambda dialog: asked.append(dialog.type) or dialog.dismiss())
         page.close(run_before_unload=True)
-        wait_until(page, lambda: bool(asked))
+        wait_for(lambda: bool(asked), page)
         assert asked == ["beforeunload"] and not page.is_closed()
     page.get_by_role("button", name="Undo").click()
     _wait(page, "saved")
@@ -235,7 +235,7 @@ def test_who_leaves_while_a_large_drawing_is_not_saved_is_asked(
     page.on("dialog", lambda dialog: asked.append(dialog.type) or dialog.dismiss())
     page.evaluate(LARGE)
     page.close(run_before_unload=True)
-    wait_until(page, lambda: bool(asked))
+    wait_for(lambda: bool(asked), page)
     assert asked == ["beforeunload"] and not page.is_closed()
     for route in held:
         route.continue_()

@@ -1,5 +1,6 @@
 """What surrounds an installation: a folder that was moved, variables that hide drivers, a client of containers."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -74,3 +75,32 @@ def test_arguments_are_looked_at_before_the_machine(
 ) -> None:
     monkeypatch.setattr(doctor, "checks", lambda mend: pytest.fail("nothing is checked"))
     assert doctor.main([argument]) == code and words in capsys.readouterr().out
+
+
+def test_drivers_are_tried_again_once_the_environment_has_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def say(*arguments: str) -> tuple[int, int, str]:
+        """Exit code, how often drivers were tried, and what is printed."""
+        before = len(tried)
+        return doctor.main([*arguments]), len(tried) - before, capsys.readouterr().out
+
+    tried: list[bool] = []
+    driver = doctor.Check("vulkan", True, "a device")
+    monkeypatch.setattr(doctor, "checks", lambda mend: tried.append(mend) or [driver])
+    monkeypatch.setattr(doctor, "quick_checks", lambda: [doctor.Check("python", True, "3.11"), disk])
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    disk = doctor.Check("disk", True, "60 GB free")
+    assert say("--brief")[:2] == say("--brief")[:2] == (0, 1), "nothing tells whether it has changed"
+    (tmp_path / ".installed").touch()
+    assert say("--mend", "--brief") == (0, 1, "ok   vulkan      a device\n")
+    assert say("--mend", "--brief") == (0, 0, ""), "a second `make` says nothing"
+    disk = doctor.Check("disk", False, "1 GB free", "free 5 GB")
+    assert say("--mend", "--brief") == (1, 0, "MISS disk        1 GB free\n     fix: free 5 GB\n")
+    disk = doctor.Check("disk", True, "60 GB free")
+    assert say("--mend")[:2] == say()[:2] == (0, 1), "`make setup` and `make check` always try"
+    monkeypatch.setenv("VK_DRIVER_FILES", "mine.json")
+    assert say("--brief")[1] == 1
+    driver = doctor.Check("vulkan", False, "no device")
+    os.utime(tmp_path / ".installed", (0, 0))  # `make setup` has changed it
+    assert say("--brief")[:2] == say("--brief")[:2] == (1, 1), "what lacks is told until it is there"
