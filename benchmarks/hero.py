@@ -79,7 +79,7 @@ def add_title(picture: Image, size: tuple[int, int], text: str) -> Image:
 
 def pictures(results: Path, scene: str, rank: int, object: str, task: str) -> Iterator[Image]:
     """Input above scene, and beside them what the robot does."""
-    folder = results / "generation/b" / scene
+    folder = results / "generation/default" / scene
     look = read_json(Look, folder / "look.json")
     with TemporaryDirectory() as cache:
         room = read_room(folder / f"scene_{rank}.json", object, results / "assets/library/library.json", Path(cache))

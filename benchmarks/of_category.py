@@ -25,7 +25,7 @@ def main() -> None:
     parser.add_argument("--target", default="door")
     parser.add_argument("--category", required=True)
     given = parser.parse_args()
-    plan = read_json(TaskAssets, given.results / f"experiment/b/{given.target}/assets.json")
+    plan = read_json(TaskAssets, given.results / f"experiment/default/{given.target}/assets.json")
     named = {asset.asset for asset in plan.test_assets if asset.category == given.category}
     options = TablesConfig()
     files = [*given.results.glob(f"evaluation/policies/{given.target}/*/*/rollouts.csv")]

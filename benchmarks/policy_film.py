@@ -57,7 +57,7 @@ def roll_out(policy: LoadedPolicy, task: str, joint: str, room: GeneratedRoom, s
 
 def find_success(given: argparse.Namespace, folder: Path, cache: Path) -> Recording:
     """The first success of `TRIALS` rollouts on the object of the scene, which must be of the test split."""
-    plan = read_json(TaskAssets, given.results / f"experiment/b/{given.target}/assets.json")
+    plan = read_json(TaskAssets, given.results / f"experiment/default/{given.target}/assets.json")
     room = read_room(
         folder / f"scene_{given.rank}.json", plan.object, given.results / "assets/library/library.json", cache
     )
@@ -78,7 +78,7 @@ def find_success(given: argparse.Namespace, folder: Path, cache: Path) -> Record
 
 def pictures(given: argparse.Namespace) -> Iterator[Image]:
     """Photograph and scene in a row, below them what the robot does."""
-    folder = given.results / f"generation/b/{given.scene}"
+    folder = given.results / f"generation/default/{given.scene}"
     with TemporaryDirectory() as cache:
         recording = find_success(given, folder, Path(cache))
         moments = smooth(recording.moments)[:: given.every]

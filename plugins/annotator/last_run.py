@@ -24,6 +24,7 @@ from roomkin.stages.extraction.depth_error import NICHE
 from roomkin.stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
 from roomkin.stages.geometry.cameras import project
 from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.tables.order import variant_key
 
 MAX_MODELS = 24  # models that can be chosen, nearest first
 
@@ -204,7 +205,7 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
         return LastRun(None, {}, {}, {}, SnapshotShards([]))
     if variant is None:
         found = (path.parent.parent.name for path in (results / "matching").glob(f"*/{scene}/cousins.json"))
-        variant = min(found, default="-")
+        variant = min(found, key=variant_key, default="-")
     path = results / "matching" / variant / scene / "cousins.json"
     matched = read_json(Cousins, path).objects if path.is_file() else []
     place = results / "generation" / variant / scene
@@ -224,7 +225,8 @@ def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[in
 
 def find_picture(made: Path, scene: str, variant: str = "*") -> Path | None:
     """A scene's picture of rank 1, of the first variant that has one; `made`: the folder results/generation."""
-    return min(made.glob(f"{variant}/{scene}/scene_1.png"), default=None)
+    found = made.glob(f"{variant}/{scene}/scene_1.png")
+    return min(found, key=lambda path: variant_key(path.parts[-3]), default=None)
 
 
 def _sizes(path: Path) -> dict[str, list[float]]:

@@ -70,10 +70,10 @@ class ExperimentConfig(Section):
         "rooms, but not scored: there is no truth.",
     )
     variants: dict[str, dict[str, Any]] = Field(
-        {"b": {}},
+        {"default": {}},
         min_length=1,
         description="Variants of matching that exist side by side (the rows of Table 2): name -> keys of `matching` "
-        "that differ. The paper's (b) lets the patch encoder choose model and orientation.",
+        "that differ. `default` is none of the paper's, whose (b) lets the patch encoder choose model and orientation.",
     )
     placements: dict[str, dict[str, Any]] = Field(
         {}, description="How variants are placed, where that differs: name of a variant -> keys of `generation`."
@@ -83,7 +83,7 @@ class ExperimentConfig(Section):
         description="Variants of the rooms, for table2_robustness: name -> {seeds, layout: drawn, finish: other, "
         "unknown: true, scale_error: false, variants}, as far as they differ (docs/scenes.md).",
     )
-    policy_variant: str = Field("b", description="The variant whose cousins the policy experiment uses.")
+    policy_variant: str = Field("default", description="The variant whose cousins the policy experiment uses.")
     targets: dict[str, RoomTarget] = Field(
         {"door": RoomTarget(room="room_3", object="hanging_cabinet_1")},
         description="What is opened (Table 3), by names that paths and tables use. Demonstrations belong to a target; "

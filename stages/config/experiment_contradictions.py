@@ -23,7 +23,7 @@ def targets(config: "Config") -> Iterator[Mistake]:
         rooms = config.rooms()
     except InputError:
         rooms = {}  # said above
-    if experiment.targets and experiment.policy_variant not in experiment.variants:
+    if experiment.policy_variant not in experiment.variants:
         key = "experiment.policy_variant"
         yield Mistake.unknown(key, experiment.policy_variant, "experiment.variants", experiment.variants)
     for name, target in experiment.targets.items():

@@ -22,12 +22,18 @@ VARIANTS = {  # as the paper has them; what decided in a run stands in cousins.j
     "d": "VLM model, encoder orientation",
 }
 
+DEFAULT = "default"  # the variant of config.yaml
 NO_IMAGE = "no-image"  # the variant of config/study/table2.yaml that judges are read against
 
 
 def sort_key(text: str) -> tuple[tuple[int, int, str], ...]:
     """Sort key under which room_2 comes before room_10."""
     return tuple((0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", str(text)))
+
+
+def variant_key(name: str) -> tuple[bool, tuple[tuple[int, int, str], ...]]:
+    """Sort key of a variant: that of config.yaml first."""
+    return name != DEFAULT, sort_key(name)
 
 
 def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:

@@ -7,7 +7,7 @@ import pandas as pd
 
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.tables.intervals import t_interval
-from roomkin.stages.tables.order import sort_key
+from roomkin.stages.tables.order import DEFAULT, sort_key
 from roomkin.stages.tables.rows import records
 
 METRICS = ["l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou"]
@@ -100,6 +100,7 @@ def build(scores: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) 
     scales = scores.groupby("scene")["scale_m"].first()
     scenes = [*options.scenes, *sorted(set(scores["scene"]) - set(options.scenes), key=sort_key)]
     variants = [*options.variants, *sorted(set(scores["variant"]) - set(options.variants))]
+    variants.sort(key=lambda name: name != DEFAULT)
     groups = dict(list(scores.groupby(["scene", "variant"])))
     paper = {
         key: {f"published_{name}": value for name, value in cell.items()}

@@ -116,7 +116,7 @@ def _extraction(root: Path) -> None:
         {"id": "lamp_1", "label": "lamp", "status": "failed", "reason": "extraction: too small"},
     ]  # fmt: skip
     check = {"seconds": 2.0, "stable": True, "fallen": [], "mean_displacement": 0.0, "max_penetration": 0.0}
-    _json(root / FILES["generated"], **frame, variant="b", rank=1, walls=walls, objects=items,
+    _json(root / FILES["generated"], **frame, variant="default", rank=1, walls=walls, objects=items,
           plausibility={**check, "collisions": 0})  # fmt: skip
     true = {"category": "cabinet", "position": [1.0, 0.0, 0.5], "yaw": 0.0, "size": [0.5, 0.6, 1.0], "symmetry": "none"}
     objects = [{"mask": 1, "asset": "cabinet_0", "support": "floor", **true},
@@ -181,7 +181,7 @@ def _films(root: Path, folder: Path) -> None:
     film = {"role": "twin", "asset": "cabinet_0", "success": True, "steps": 6, "opened": 0.8}
     films = [film | {"seed": seed, "file": f"twin_{seed}.webp"} for seed in (5, 7)]
     _json(root / FILES["films"], films=films)
-    about = {"scene": "room", "variant": "b", "asset": "cabinet_0", "joint": "door_joint"}
+    about = {"scene": "room", "variant": "default", "asset": "cabinet_0", "joint": "door_joint"}
     done = [
         {**about, "rank": 1, "status": "ok", "attempts": 2, "shift": [0.0, 0.12], "film": films[0]},
         {**about, "rank": 2, "status": "failed", "reason": "the robot cannot open it: table_1 is in its place (25x)"},

@@ -95,7 +95,7 @@ def write_rows(path: Path, rows: list[BaseModel]) -> Path:
 
 
 def score(scene: str = "room_1", number: int = 1, **changes: object) -> SceneScore:
-    """A score of a well placed object."""
+    """A score of a well placed object in row (b) of the paper's Table 2."""
     values = {
         "scene": scene, "variant": "b", "rank": 1, "scale_m": 3.68, "object": f"object_{number}", "status": "ok",
         "true_asset": f"asset_{number}", "asset": f"asset_{number}", "category_correct": True, "model_correct": True,
@@ -187,11 +187,11 @@ def _room(results: Path, name: str) -> None:
         for item in seen[:-1]
     ]  # fmt: skip
     found.append(ObjectCousins(id="vase_1", label="vase", status="failed", reason="no cloud"))
-    matching = results / "matching" / "b" / name
+    matching = results / "matching" / "default" / name
     write_json(matching / "cousins.json", Cousins(scene=name, encoder="hog", objects=found))
     picture(matching / "cousins.png", 700, 300, seed=3)
 
-    generation = results / "generation" / "b" / name
+    generation = results / "generation" / "default" / name
     picture(generation / "comparison.png", 700, 240, seed=4)
     for rank in (1, 2):
         placed = [
@@ -202,7 +202,7 @@ def _room(results: Path, name: str) -> None:
         check = Plausibility(seconds=2, stable=not fallen, fallen=fallen, mean_displacement=0.004,
                              max_penetration=0.001, collisions=0)  # fmt: skip
         scene = GeneratedScene(
-            scene=name, variant="b", rank=rank, objects=placed, plausibility=check, made=MADE, **frame
+            scene=name, variant="default", rank=rank, objects=placed, plausibility=check, made=MADE, **frame
         )
         write_json(generation / f"scene_{rank}.json", scene)
         picture(generation / f"scene_{rank}.png", seed=10 + rank)
@@ -218,7 +218,7 @@ def _policies(results: Path) -> None:
         for number, (role, distance) in enumerate(ROLES.items())
     ]  # fmt: skip
     chosen = TaskAssets(task="door", scene="room_1", object="cabinet_1", encoder="hog", assets=assets)
-    write_json(results / "experiment" / "b" / "door" / "assets.json", chosen)
+    write_json(results / "experiment" / "default" / "door" / "assets.json", chosen)
     for role in ("twin", "cousin_1"):
         folder = results / "demonstrations" / "door" / role
         films(folder / "films", [role])
@@ -233,7 +233,7 @@ def _policies(results: Path) -> None:
     folder = results / "demonstrations" / "door" / "in_scene"
     films(folder / "films", ["rank_1"])
     film = read_json(Films, folder / "films" / "films.json").films[0]
-    about = {"scene": "room_1", "variant": "b", "asset": "cabinet_01"}
+    about = {"scene": "room_1", "variant": "default", "asset": "cabinet_01"}
     done = [
         SceneDemonstration(**about, rank=1, status="ok", attempts=1, film=film),
         SceneDemonstration(**about, rank=2, status="failed", reason="the robot cannot open it: sofa_1 is in its place"),
@@ -267,22 +267,23 @@ def write_run(root: Path) -> Path:
     snapshots(results / "assets" / "snapshots", sorted(f"{name}_{rank:02d}" for name in names for rank in range(1, 8)))
     _policies(results)
 
-    scenes = results / "evaluation" / "scenes" / "b"
-    lost = {"status": "missed", "asset": "", "category_correct": False, "model_correct": False}
+    scenes = results / "evaluation" / "scenes" / "default"
+    ours = {"variant": "default"}
+    lost = ours | {"status": "missed", "asset": "", "category_correct": False, "model_correct": False}
     lost |= dict.fromkeys(["l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou", "stable"])
     write_rows(
         scenes / "room_1" / "scores.csv",
-        [score(number=1), score(number=2, model_correct=False), score(number=3, **lost)],
+        [score(number=1, **ours), score(number=2, model_correct=False, **ours), score(number=3, **lost)],
     )
     write_rows(
         scenes / "room_2" / "scores.csv",
-        [score("room_2", n, scale_m=3.42, orientation_rad=None, orientation_paper_rad=None) for n in (1, 2)],
+        [score("room_2", n, scale_m=3.42, orientation_rad=None, orientation_paper_rad=None, **ours) for n in (1, 2)],
     )
     write_rows(results / "evaluation" / "policies" / "door" / "rollouts.csv", rollouts())
     write_rows(results / "evaluation" / "policies" / "unseen" / "rollouts.csv", list(over_assets(UNSEEN)))
 
     header = "s\th:m:s\tmax_rss\tmax_vms\tmax_uss\tmax_pss\tio_in\tio_out\tmean_load\tcpu_time\n"
-    for name, seconds, memory in (("assets/library", 61.5, 300.25), ("matching/b/room_1", 12.0, 800.0)):
+    for name, seconds, memory in (("assets/library", 61.5, 300.25), ("matching/default/room_1", 12.0, 800.0)):
         path = root / "benchmarks" / f"{name}.tsv"
         path.parent.mkdir(parents=True)
         path.write_text(header + f"{seconds}\t0:01:01\t{memory}\t1\t1\t1\t0\t0\t90\t{seconds * 0.9}\n")

@@ -77,7 +77,10 @@ CASES = [
     ("task: {camera_jitter: [-1, 0]}", "task.camera_jitter.0: Input should be greater than or equal to 0"),
     ("task: {workspace_min: [2, -0.5, 0]}", "task.workspace_min: x = 2 is not below workspace_max's 1"),
     ("generation: {support_overlap: 0.5}", "generation.support_overlap: unknown key. Fix: there are: ranks"),
-    ("experiment: {variants: {b: {coverage: 0.4}}}", "experiment.variants.b.coverage: unknown key. Fix: did you mean"),
+    (
+        "experiment: {variants: {default: {coverage: 0.4}}}",
+        "experiment.variants.default.coverage: unknown key. Fix: did you mean",
+    ),
     ("demonstrations: {noise: -1}", "demonstrations.noise: Input should be greater"),
     ("generation: {ranks: 11}", "generation.ranks: 11 scenes from matching.k_cousins = 10"),
     ("{demonstrations: {goal_margin: 0.5}, task: {success_fraction: 0.9}}", "demonstrations.goal_margin: 0.5 past"),
@@ -93,9 +96,12 @@ CASES = [
     ("experiment: {rooms: [room_3, room_9]}", "experiment.rooms: unknown scene 'room_9'"),
     ("experiment: {rooms: [room_3, room_3]}", "experiment.rooms: 'room_3' is named 2 times"),
     ("experiment: {placements: {c: {}}}", "experiment.placements: 'c' is not one of experiment.variants"),
-    ("experiment: {placements: {b: {ranks: 2}}}", "experiment.placements.b.ranks: is one for all variants"),
-    ("experiment: {placements: {b: {trim: -1}}}", "experiment.placements.b.trim: Input should be greater than or"),
-    ("experiment: {placements: {b: {touch: 1}}}", "experiment.placements.b.touch: unknown key"),
+    ("experiment: {placements: {default: {ranks: 2}}}", "experiment.placements.default.ranks: is one for all variants"),
+    (
+        "experiment: {placements: {default: {trim: -1}}}",
+        "experiment.placements.default.trim: Input should be greater than or",
+    ),
+    ("experiment: {placements: {default: {touch: 1}}}", "experiment.placements.default.touch: unknown key"),
     ("experiment: {rooms: [room_1]}", "experiment.targets.door.room: 'room_3' is not one of experiment.rooms"),
     ("experiment: {rooms: []}", "experiment.rooms: List should have at least 1 item"),
     ("experiment: {targets: {door: {object: cabinet_7}}}", "experiment.targets.door.object: room_3 has no 'cabinet_7'"),
@@ -112,7 +118,14 @@ CASES = [
     ("experiment: {inputs: {room_2: nowhere}}", "experiment.inputs.room_2: is the name of a room"),
     ("experiment: {inputs: {'my scene': x}}", "experiment.inputs: 'my scene' is no name"),
     ("experiment: {variants: {'c/d': {}}}", "experiment.variants: 'c/d' is no name"),
-    ("experiment: {variants: {b: null, c: {}}}", "experiment.policy_variant: 'b' is not one of experiment.variants"),
+    (
+        "experiment: {variants: {default: null, c: {}}, targets: null}",
+        "experiment.policy_variant: 'default' is not one of",
+    ),
+    (
+        "experiment: {policy_variant: b}",
+        "experiment.policy_variant: 'b' is not one of experiment.variants. Fix: one of default",
+    ),
     (
         "experiment: {variants: {c: {k_modl: 3}}}",
         "experiment.variants.c.k_modl: unknown key. Fix: did you mean 'k_model'?",
@@ -191,7 +204,7 @@ CASES = [
     ("experiment: {seeds: [no]}", "experiment.seeds: is False"),
     ("training: {configs: {lite: {steps: on}}}", "training.configs.lite.steps: is True"),
     ("generation: {snap_other: yes}", "generation.snap_other: is True"),
-    ("experiment: {variants: {b: {k_model: yes}}}", "experiment.variants.b.k_model: is True"),
+    ("experiment: {variants: {default: {k_model: yes}}}", "experiment.variants.default.k_model: is True"),
     (
         "experiment: {targets: {door: {options: {scale_variants: yes}}}}",
         "experiment.targets.door.options.scale_variants: is True",
@@ -384,7 +397,7 @@ def test_all_mistakes_are_told_at_once() -> None:
     [
         ("experiment: {targets: {door: null}}", "experiment.targets", set()),
         ("experiment: {targets: null}", "experiment.targets", set()),
-        ("experiment: {variants: {b: null, c: {}}, policy_variant: c}", "experiment.variants", {"c"}),
+        ("experiment: {variants: {default: null, c: {}}, policy_variant: c}", "experiment.variants", {"c"}),
         (
             "{training: {configs: {lite_handle: null}}, experiment: {policies: {lite_handle: null}}}",
             "training.configs",
@@ -403,10 +416,10 @@ def test_an_overlay_removes_what_the_default_has(text: str, path: str, left: set
 
 
 def test_null_stays_a_value_where_it_means_something() -> None:
-    text = "{generation: {snap_other: null}, experiment: {variants: {b: {count_threshold: null}}}}"
+    text = "{generation: {snap_other: null}, experiment: {variants: {default: {count_threshold: null}}}}"
     config = load(merge_mappings(DEFAULT, yaml.safe_load(text)))
     assert config.generation.snap_other is None
-    assert config.matching_of("b").count_threshold is None
+    assert config.matching_of("default").count_threshold is None
 
 
 def test_a_variant_changes_only_what_it_names() -> None:

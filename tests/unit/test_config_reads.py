@@ -96,7 +96,7 @@ def digests(config: Any) -> dict[str, str]:
     """What each command is told of a config, as text."""
     made = {}
     for stage, command in READS:
-        wildcards = {"variant": "b", "run": "lite", "scene": "room_1"}
+        wildcards = {"variant": "default", "run": "lite", "scene": "room_1"}
         if command == "features":
             made[command] = repr(sorted(stores(config)))
             continue
@@ -167,15 +167,14 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
     text = """
     experiment:
       variants:
-        b: {}
         weights: {hog: {normals: 3.0, position: 1.0}, count_threshold: null, views: 8}
         fine: {hog: {grid: 24}}
     """
     default = with_defaults({})
     config = load(merge_mappings(default, yaml.safe_load(text)))
-    b, weights, fine = (config.matching_of(name).store() for name in ("b", "weights", "fine"))
-    assert b == weights != fine
-    assert {name: options.hog.grid for name, options in stores(config).items()} == {b: 16, fine: 24}
+    shipped, weights, fine = (config.matching_of(name).store() for name in ("default", "weights", "fine"))
+    assert shipped == weights != fine
+    assert {name: options.hog.grid for name, options in stores(config).items()} == {shipped: 16, fine: 24}
     told = options_of(config, "matching", "features", {"store": fine})
     kept = {"dimensions": 0}
     assert told == {"encoder": "hog", "hog": {"image_size": 192, "grid": 24}} | kept

@@ -8,7 +8,11 @@ def test_a_small_library_is_exact_and_a_large_one_compressed_and_shortlisted() -
     small, large = fill_counts(Config(), 495), fill_counts(Config(), 2_001)
     assert (small.matching.dimensions, small.matching.shortlist) == (0, 0)
     assert (large.matching.dimensions, large.matching.shortlist) == (72, 100)
-    assert small.matching_of("b").store() == Config().matching_of("b").store() != large.matching_of("b").store()
+    assert (
+        small.matching_of("default").store()
+        == Config().matching_of("default").store()
+        != large.matching_of("default").store()
+    )
 
 
 def test_shards_hold_some_three_hundred_models() -> None:

@@ -139,7 +139,7 @@ def experiment(world: World) -> dict[str, Any]:
     ]
     generated = GeneratedScene(
         scene="test",
-        variant="b",
+        variant="default",
         rank=1,
         width=8,
         height=8,

@@ -90,7 +90,7 @@ def test_every_config_line_of_the_page_is_one(package: Path) -> None:
 def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> None:
     training = {"configs": {"mine": {"policy": "mean_action"}}}
     experiment = {
-        "variants": {"b": {"model_selection": "by_height"}},
+        "variants": {"default": {"model_selection": "by_height"}},
         "rooms": ["attic"],
         "targets": {},
         "policies": {"mine": {}},
@@ -106,7 +106,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
     )
     assert config.matching.encoder == "my_package.encoders.colors" and config.matching.search == "torch"
     assert config.assets.importers == ["urdf", "my_package.importers.off"]
-    assert config.matching_of("b").model_selection == "my_package.judges.by_height"
+    assert config.matching_of("default").model_selection == "my_package.judges.by_height"
     assert config.training.configs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (
         ({"matching": {"encoder": "color"}}, "E-PLUGIN-UNKNOWN", "did you mean 'colors'?"),

@@ -52,7 +52,7 @@ def test_cousins_wear_the_colors_of_the_picture_and_stand_as_before(
     picture = np.full((*masks.shape, 3), 128, np.uint8)
     picture[masks == 1] = RED
     cv2.imwrite(str(tmp_path / "rgb.png"), picture[..., ::-1])
-    given = {key: scene[key] for key in ("cousins", "objects", "library")} | {"variant": "b"}
+    given = {key: scene[key] for key in ("cousins", "objects", "library")} | {"variant": "default"}
     options = {finish: json.dumps({"ranks": 1, "finish": finish}) for finish in ("library", "picture")}
     run(**given, options=options["library"], out=tmp_path / "plain")
     run(**given, options=options["picture"], image=(tmp_path / "rgb.png",), out=tmp_path / "painted")
@@ -89,7 +89,7 @@ def test_unless_told_otherwise_cousins_wear_the_picture_that_is_given(
 ) -> None:
     masks = read_masks(scene["objects"].with_name("masks.png"))
     cv2.imwrite(str(tmp_path / "rgb.png"), np.full((*masks.shape, 3), RED[::-1], np.uint8))
-    given = {key: scene[key] for key in ("cousins", "objects", "library")} | {"variant": "b", "out": tmp_path}
+    given = {key: scene[key] for key in ("cousins", "objects", "library")} | {"variant": "default", "out": tmp_path}
     options = json.dumps({"ranks": 1, "finish": finish})
     run(**given, options=options, image=(tmp_path / "rgb.png",) if shown else ())
     worn = any(each.finish for each in read_json(GeneratedScene, tmp_path / "scene_1.json").objects)

@@ -524,7 +524,7 @@ def test_a_broken_archive_of_the_library_is_no_failed_object(scene: dict[str, Pa
     content[first.header_offset + 30 + len(first.filename) + first.compress_size // 2] ^= 1
     archive.write_bytes(content)
     with refused("E-FILE-UNREADABLE", "library.zip", "snakemake --cores 2 library"):
-        run(cousins=scene["cousins"], objects=scene["objects"], library=tmp_path / "library.json", variant="b",
+        run(cousins=scene["cousins"], objects=scene["objects"], library=tmp_path / "library.json", variant="default",
             out=tmp_path / "out")  # fmt: skip
 
 
@@ -543,6 +543,6 @@ def test_a_scene_that_fails_leaves_nothing(
 
     monkeypatch.setattr("roomkin.stages.generation.generate.simulate", unreadable)
     with pytest.raises(InputError, match="is broken"):
-        run(cousins=scene["cousins"], objects=scene["objects"], library=scene["library"], variant="b",
+        run(cousins=scene["cousins"], objects=scene["objects"], library=scene["library"], variant="default",
             out=tmp_path / "out")  # fmt: skip
     assert not (tmp_path / "out").exists() or not any((tmp_path / "out").iterdir())

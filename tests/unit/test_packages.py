@@ -78,7 +78,7 @@ def test_a_run_is_planned_without_any_of_them_or_says_what_wants_it(name: str) -
             load({"packages": packages})
         packages |= {"report": False, "exports": False}
     config = load(given | {"packages": packages}, rooms_named=name != "scenes")
-    wildcards = {"variant": "b", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
+    wildcards = {"variant": "default", "run": "lite", "scene": "", "store": next(iter(stores(config)))}
     for stage, command in READS:
         if stage != name:
             options_of(config, stage, command, wildcards)

@@ -14,7 +14,7 @@ from roomkin.stages.tables.figures import draw_rates, figure9
 from roomkin.stages.tables.intervals import t_interval, wilson
 from roomkin.stages.tables.markup import TextTable, html, latex, markdown
 from roomkin.stages.tables.methods import join_published
-from roomkin.stages.tables.order import set_key, sort_key
+from roomkin.stages.tables.order import set_key, sort_key, variant_key
 from roomkin.stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
 from roomkin.stages.tables.text import cell as text_cell
 from roomkin.stages.tables.text import percent, points, span
@@ -149,7 +149,17 @@ def test_table2_says_not_run_and_knows_other_scenes_and_variants() -> None:
     assert pd.isna(cell(table, scene="room_8", variant="d")["n_objects"])
     own = cell(table, scene="kitchen", variant="dinov2")
     assert own["status"] == "run" and pd.isna(own["published_n_objects"])
+    assert table["variant"].unique().tolist() == ["a", "b", "c", "d", "dinov2"]
     assert not ((table["scene"] == "kitchen") & (table["status"] == "not run")).any()
+
+
+def test_the_default_runs_row_comes_first_and_is_none_of_the_papers() -> None:
+    table = scene_cells([score(variant=name) for name in ("default", "c-local")])
+    assert table["variant"].unique().tolist() == ["default", "a", "b", "c", "d", "c-local"]
+    ours = table[table["variant"] == "default"]
+    assert ours["status"].tolist() == ["run", "run"] and ours["published_n_objects"].isna().all()
+    assert cell(table, scene="room_1", variant="b")["published_n_objects"] == 5
+    assert sorted(["c-local", "fine_10", "default", "fine_2"], key=variant_key)[0] == "default"
 
 
 def test_table2_says_what_is_given_and_what_a_judge_is_read_against() -> None:

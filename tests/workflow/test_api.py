@@ -56,7 +56,7 @@ PAIRS = {
     "library": "assets/library",
     "library/snapshots": "assets/snapshots",
     "rooms/room_1/input": "scenes/room_1/input",
-    "scenes": ("extraction/room_1", "matching/b/room_1", "generation/b/room_1"),
+    "scenes": ("extraction/room_1", "matching/default/room_1", "generation/default/room_1"),
 }
 
 

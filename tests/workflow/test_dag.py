@@ -118,7 +118,7 @@ def test_a_task_may_have_targets_with_options_of_their_own(folder: Path) -> None
     assert jobs["train"] == jobs["rollout"] == 2 + 2 * 3 + 1
     collected = re.search(r"demonstrations collect .*/far/assets.json .*--role all .*", done.stdout)
     assert collected and "--episodes 8 " in collected[0] and '"base_xy":0.01' in collected[0]
-    assert re.search(r"--task door .*--out results/experiment/b/far/assets.json", done.stdout)
+    assert re.search(r"--task door .*--out results/experiment/default/far/assets.json", done.stdout)
     named = r"--target far --policy-name lite_far --training-set (\w+) --run-name lite --trained-roles (.*?) --options"
     assert set(re.findall(named, done.stdout)) == {("cousins_2", "cousin_1 cousin_3"), ("all", "all")}
     assert jobs["skill"] == 3 and re.search(r'scripted skill .*--target far .*"base_xy":0.01', done.stdout)
@@ -146,7 +146,7 @@ def test_the_policies_of_a_target_share_its_assets_and_demonstrations(folder: Pa
     assert re.search(r'collect .*--role cousin_1_randomised .*--options .*"randomise"', done.stdout)
     rolled = re.findall(r"--assets (\S+) .*--target door --policy-name flag --training-set (\w+) ", done.stdout)
     assert set(rolled) == {
-        ("results/experiment/b/door/assets.json", name)
+        ("results/experiment/default/door/assets.json", name)
         for name in ("cousins_2_randomised", "random_2", "twin_randomised")
     }
     exported = planned(dry_run(folder, "exports", "--configfile", "shared.yaml").stdout)
@@ -223,7 +223,7 @@ def test_the_study_is_about_committed_assets_and_matches_nothing_for_them(folder
 
 
 def test_the_twin_is_the_true_model_in_rooms_and_what_was_matched_in_scenes_of_yours(folder: Path) -> None:
-    target = "results/experiment/b/door/assets.json"
+    target = "results/experiment/default/door/assets.json"
     told = "--truth results/scenes/room_3/truth.json --objects results/extraction/room_3/objects.json"
     assert dry_run(folder, target, "-p").stdout.count(told) == 2, "distances and select"
     (folder / "mine").mkdir()
@@ -244,7 +244,7 @@ def test_corrections_are_an_input_of_the_rules_that_they_concern(folder: Path, t
     (tmp_path / "mine.yaml").write_text(
         f"experiment: {{rooms: [mine], inputs: {{mine: {mine}}}, targets: {{door: null}}}}"
     )
-    scene = "results/generation/b/mine/scene_1.json"
+    scene = "results/generation/default/mine/scene_1.json"
     for told, command in (({"panels": []}, "extract"), ({"nudge": [0.1, 0]}, "generate")):
         (mine / "corrections.json").write_text(json.dumps({"version": 1, "objects": [{"mask": 1, **told}]}))
         done = dry_run(folder, scene, "-p", "--configfile", str(tmp_path / "mine.yaml"))
@@ -269,7 +269,7 @@ def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> No
     assert jobs["leave_out"] == 2 and jobs["draw_scenes"] == 2
     lines = {name: " ".join(re.findall(rf".*{re.escape(name)}.*", done.stdout)) for name in (
         "results/scenes/room_1.drawn.2", "results/scenes/room_2.recoloured.4", "extraction/room_1.unscaled.3/objects",
-        "results/matching/b/room_1.unknown.0/cousins")}  # fmt: skip
+        "results/matching/default/room_1.unknown.0/cousins")}  # fmt: skip
     assert "--protocol '' --draw 0 " in done.stdout and "--protocol 'drawn' --draw 2 " in done.stdout
     drawn, recoloured, unscaled, unknown = lines.values()
     assert "--scene room_1 " in drawn and "--layout-seed 2" in drawn and "--finish-seed 4" in recoloured
@@ -297,7 +297,7 @@ def test_a_variant_that_looks_at_no_picture_plans_no_features(folder: Path) -> N
 
 def test_cousins_in_the_colors_of_the_picture_need_it(folder: Path) -> None:
     room = "experiment: {rooms: [room_1], targets: {door: null}}"
-    (folder / "painted.yaml").write_text(f"{room[:-1]}, placements: {{b: {{finish: picture}}}}}}")
+    (folder / "painted.yaml").write_text(f"{room[:-1]}, placements: {{default: {{finish: picture}}}}}}")
     done = dry_run(folder, "generation", "-p", "--configfile", "painted.yaml")
     assert re.search(r'"finish": ?"picture".* --image results/scenes/room_1/input/rgb.png --out', done.stdout), (
         done.stdout
@@ -315,7 +315,7 @@ def test_pictures_of_yours_come_out_in_their_colors_and_rooms_in_the_library_s(
     experiment = "experiment: {rooms: [room_1, mine], inputs: {mine: mine}, targets: {door: null}}"
     (folder / "worn.yaml").write_text(f"{experiment}\n{said}")
     done = dry_run(folder, "generation", "-p", "--configfile", "worn.yaml")
-    assert re.findall(r"--image (\S+) --out results/generation/b/", done.stdout) == ["mine/rgb.png"] * worn
+    assert re.findall(r"--image (\S+) --out results/generation/default/", done.stdout) == ["mine/rgb.png"] * worn
 
 
 def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
@@ -489,7 +489,7 @@ def test_the_network_is_for_language_models_that_are_asked() -> None:
 
     assert of("{}") is None
     assert of("{matching: {model_selection: vlm}, vlm: {key_env: MY_KEY}}") == ["MY_KEY"]
-    assert of("experiment: {variants: {b: {model_selection: vlm, vlm: {mode: replay}}}}") is None
+    assert of("experiment: {variants: {default: {model_selection: vlm, vlm: {mode: replay}}}}") is None
 
 
 def test_images_are_named_once_by_what_they_are_built_from() -> None:

@@ -59,11 +59,11 @@ def test_a_failed_run_says_of_every_scene_where_it_stopped(folder: Path) -> None
     configs = ("--configfile", "mine.yaml", "broken.yaml")
     targets = [f"results/extraction/hall_{number}/objects.json" for number in (1, 2)]
     done = snakemake(folder, *targets, "--keep-going", *configs)
-    page = folder / "results/report/overview/b.failed.html"
+    page = folder / "results/report/overview/default.failed.html"
     assert done.returncode and "20 scenes were made, 2 stopped, 18 not run" in done.stdout, done.stdout[-3000:]
     cells = re.findall(r'<th scope="row">(\w+)</th>.*?stopped in (\w+)</span>: ([^<]*)<', page.read_text(), re.DOTALL)
     assert ("hall_1", "extraction", "hall_1: nothing is in it. Fix: look again") in cells
     assert ("hall_0", "extraction", "not run") in cells
-    assert not (folder / "results/report/overview/b.html").exists()
+    assert not (folder / "results/report/overview/default.html").exists()
     causes = [f"error: hall_{number}: nothing is in it. Fix: look again" for number in (1, 2)]
     assert sorted(done.stdout.splitlines()[-2:]) == causes, "why, below all that Snakemake says"

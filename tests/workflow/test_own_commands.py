@@ -12,7 +12,7 @@ from tests.workflow.workspace import copy, dry_run, overlay, planned, snakemake
 
 STRANGERS = Path(__file__).parent / "strangers"
 PYTHON = f"{shlex.quote(sys.executable)} -I -S"  # no site-packages, no repository
-ASSETS = "results/experiment/b/door/assets.json"
+ASSETS = "results/experiment/default/door/assets.json"
 MATCHED = {"match", "distances", "draw_cousins", "select", "generate", "draw_scenes"}
 NO_POLICIES = "\nexperiment: {training_sets: []}"  # they read nothing that a stranger writes
 
@@ -52,9 +52,9 @@ def test_what_strangers_write_is_used_by_what_follows_and_by_nothing_before(run:
         assert set(planned(done.stdout)) - {ASSETS} == runs
         again = dry_run(folder, *targets, *config)
         assert "Nothing to be done" in again.stdout, again.stdout[-3000:]
-        scene = json.loads((folder / "results/generation/b/room_1/scene_1.json").read_text())
+        scene = json.loads((folder / "results/generation/default/room_1/scene_1.json").read_text())
         assert sum(item.get("status", "ok") == "ok" for item in scene["objects"]) >= 4
-        assert (folder / "results/generation/b/room_1/comparison.png").stat().st_size > 10_000
+        assert (folder / "results/generation/default/room_1/comparison.png").stat().st_size > 10_000
     for script in scripts.values():
         with (folder / script).open("a") as own:
             own.write("\n")  # an edit counts, although the command is the same
@@ -70,11 +70,11 @@ EDIT
 NAN = "made['objects'][0]['cousins'][0]['distance'] = float('nan')"
 WRONG = [
     ("matching", "match", f"made = json.load(open(out)); {NAN}; json.dump(made, open(out, 'w'))",
-     "cousins.json: ", "objects.0.cousins.0.distance", ["matching/b/room_1/cousins.json"]),
+     "cousins.json: ", "objects.0.cousins.0.distance", ["matching/default/room_1/cousins.json"]),
     ("extraction", "extract", "open(out[:-12] + 'clouds.npz', 'w').write('no archive')",
      "clouds.npz: ", "", [f"extraction/room_1/{name}" for name in ("objects.json", "masks.png", "clouds.npz")]),
     ("generation", "generate", "import os; os.remove(out + '/scene_2.json')", "scene_2.json: ", "no such file",
-     ["generation/b/room_1/scene_1.json"]),
+     ["generation/default/room_1/scene_1.json"]),
 ]  # fmt: skip
 
 

@@ -25,7 +25,7 @@ def test_a_picture_goes_all_the_way_to_its_page(run: Path, tmp_path: Path) -> No
     assert done.returncode == 0, done.stdout[-4000:]
     assert "library" not in planned(done.stdout)
     results = folder / "results"
-    named = read_json(SceneShards, results / "matching/b/my_kitchen-32bc6e/shards.json").shards
+    named = read_json(SceneShards, results / "matching/default/my_kitchen-32bc6e/shards.json").shards
     assert {path.stem for path in (results / "assets/snapshots").iterdir()} == {f"shard_{name}" for name in named}
     whole = read_json(Library, results / "assets/library/library.json")
     assert any(not any(holds(name, entry) for name in named) for entry in whole.assets)  # not all of it is drawn

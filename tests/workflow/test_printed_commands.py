@@ -29,7 +29,7 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
     picture.run(
         files=of_room, image=image, camera=root / "camera.json", scene="room_1", out=root / "room_1.html", viewer=VIEWER
     )
-    overview.run(scenes=("room_1",), variant="b", out=root / "overview.html")
+    overview.run(scenes=("room_1",), variant="default", out=root / "overview.html")
     pages = [path.read_text() for path in root.glob("*.html")]
     texts = [unescape(text) for page in pages for text in PRINTED.findall(page)]
     lines = [

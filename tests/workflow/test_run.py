@@ -30,7 +30,7 @@ def test_tables_and_report_are_there(run: Path) -> None:
 
 
 def test_seed_and_code_of_a_picture_can_be_told_from_the_picture_and_from_the_page(run: Path) -> None:
-    made = run / "results/generation/b/room_1"
+    made = run / "results/generation/default/room_1"
     scene = json.loads((made / "scene_1.json").read_text())["made"]
     with Image.open(made / "comparison.png") as picture:
         assert json.loads(picture.text["scene_1.json"]) == scene  # type: ignore[attr-defined]
@@ -105,7 +105,7 @@ def test_a_second_variant_encodes_only_what_it_must(run: Path, tmp_path: Path) -
 def test_the_page_names_no_file_that_this_run_did_not_declare(run: Path, tmp_path: Path) -> None:
     folder = copy(run, tmp_path / "run")
     results = folder / "results"
-    shutil.copytree(results / "generation/b", results / "generation/old_variant")
+    shutil.copytree(results / "generation/default", results / "generation/old_variant")
     shutil.copytree(results / "training/door/micro/twin/micro", results / "training/door/micro/twin/old_run")
     shutil.copytree(folder / "benchmarks/assets", folder / "benchmarks/old_stage")
     (results / "report/index.html").unlink()
@@ -154,7 +154,7 @@ def test_corrections_count_by_what_a_stage_reads_and_by_age_where_nobody_knows_w
 ) -> None:
     folder = copy(run, tmp_path / "run")
     shutil.rmtree(folder / ".snakemake")
-    asked = ("results/generation/b/room_1/scene_1.json", *MICRO)
+    asked = ("results/generation/default/room_1/scene_1.json", *MICRO)
 
     def correct(nudge: float) -> None:
         told = {"mask": 1, "size": [0.5, 0.5, 0.8], "nudge": [nudge, 0.0]}

@@ -13,7 +13,7 @@ from roomkin.stages.extraction import extract
 from roomkin.stages.matching import match
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, planned
 
-COUSINS = "results/matching/b/room_1/cousins.json"
+COUSINS = "results/matching/default/room_1/cousins.json"
 OBJECTS = "results/extraction/room_1/objects.json"
 
 
@@ -40,7 +40,7 @@ def match_again(run: Path, out: Path, name: str) -> list[dict[str, Any]]:
         library=results / "assets/library/library.json",
         features=tuple(sorted(results.glob("matching/features/*/shard_*.npy"))),
         snapshots=tuple(sorted(results.glob("assets/snapshots/shard_*.h5"))),
-        options=json.dumps(options_of(config_with(name), "matching", "match", {"variant": "b"})),
+        options=json.dumps(options_of(config_with(name), "matching", "match", {"variant": "default"})),
         out=out,
     )
     return objects(out)

@@ -44,7 +44,7 @@ def test_scenes_of_many_scripts_stand_side_by_side(folder: Path) -> None:
     (folder / "mine.yaml").write_text("experiment: {inputs: [own], rooms: ['*'], targets: {door: null}}")
     done = dry_run(folder, "pages", "--configfile", "mine.yaml")
     assert planned(done.stdout)["extract"] == planned(done.stdout)["scene_page"] == len(names), done.stdout
-    assert all(f"results/generation/b/{name}/scene_1.json" in done.stdout for name in names)
+    assert all(f"results/generation/default/{name}/scene_1.json" in done.stdout for name in names)
 
 
 @pytest.mark.parametrize("name", ["{x}.png", "-x.png", "pipe.png"])

@@ -39,7 +39,7 @@ def write_run(folder: Path, results: Path, doubts: dict[int, list[Doubt]]) -> Co
     objects = read_json(Objects, place)
     names = [item.id for item in objects.objects]
     cousins = Cousins(scene="kitchen", encoder="hog", objects=[_matched(name) for name in names])
-    write_json(results / "matching/b/kitchen/cousins.json", cousins)
+    write_json(results / "matching/default/kitchen/cousins.json", cousins)
     placed = [
         PlacedObject(
             id=item.id, label=item.label, asset=MODELS[0], category="cabinet", position=item.box.center,
@@ -48,10 +48,10 @@ def write_run(folder: Path, results: Path, doubts: dict[int, list[Doubt]]) -> Co
         for number, item in enumerate(objects.objects) if item.box is not None
     ]  # fmt: skip
     shared = objects.model_dump(include={"scene", "width", "height", "intrinsics", "floor_from_camera", "walls"})
-    scene = GeneratedScene(variant="b", rank=1, objects=placed, **shared)
-    write_json(results / "generation/b/kitchen/scene_1.json", scene)
+    scene = GeneratedScene(variant="default", rank=1, objects=placed, **shared)
+    write_json(results / "generation/default/kitchen/scene_1.json", scene)
     snapshots(results / "assets/snapshots", MODELS)
-    Image.new("RGB", (48, 36), (200, 60, 40)).save(results / "generation/b/kitchen/scene_1.png")
+    Image.new("RGB", (48, 36), (200, 60, 40)).save(results / "generation/default/kitchen/scene_1.png")
     entries = [
         LibraryEntry(id=name, category="cabinet", archive="a.zip", doors=0, drawers=0, checksum="c",
                      size=(0.4, 0.5 + number / 100, 0.8))

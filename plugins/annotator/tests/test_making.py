@@ -109,7 +109,7 @@ def test_a_scene_is_made_again_without_a_shell(
     tmp_path: Path,
 ) -> None:
     """A change, a click, its progress, then the new scene in the picture's place; a cause if it fails; a stop."""
-    scene, go = tmp_path / "results/generation/b/kitchen/scene_1.png", tmp_path / "go"
+    scene, go = tmp_path / "results/generation/default/kitchen/scene_1.png", tmp_path / "go"
     Image.fromarray(np.full((36, 48, 3), 77, np.uint8)).save(tmp_path / "new.png")
     corrected = session.folder / "corrections.json"
     text = (

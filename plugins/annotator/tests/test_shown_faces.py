@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from roomkin.plugins.annotator.last_run import LastRun, hang_on, read_last_run
+from roomkin.plugins.annotator.last_run import LastRun, find_picture, hang_on, read_last_run
 from roomkin.plugins.report.album import SnapshotShards
-from roomkin.stages.contracts import Library, Objects, write_json
+from roomkin.stages.contracts import Cousins, Library, Objects, write_json
 from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from roomkin.stages.contracts.generated import PlacedObject
 from roomkin.stages.contracts.hand import Correction
@@ -87,6 +87,18 @@ def test_a_model_of_unknown_size_is_shown_without_it(made: LastRun, tmp_path: Pa
     ]
     write_json(tmp_path / "assets/library/library.json", Library(assets=models))
     assert read_last_run(tmp_path, "t", None, (320, 240)).sizes == {"chest_1": [0.6, 0.4, 0.8]}
+
+
+def test_of_several_variants_the_default_is_shown(made: LastRun, tmp_path: Path) -> None:
+    assert made.objects is not None
+    write_json(tmp_path / "extraction/t/objects.json", made.objects)
+    for variant in ("c-local", "default"):
+        write_json(tmp_path / f"matching/{variant}/t/cousins.json", Cousins(scene="t", encoder="hog", objects=[]))
+        (tmp_path / f"generation/{variant}/t").mkdir(parents=True)
+        (tmp_path / f"generation/{variant}/t/scene_1.png").touch()
+    ours = tmp_path / "generation/default/t/scene_1.png"
+    assert read_last_run(tmp_path, "t", None, (320, 240)).picture == ours
+    assert find_picture(tmp_path / "generation", "t") == ours
 
 
 def test_models_are_shown_as_they_stand_others_as_the_first(made: LastRun) -> None:

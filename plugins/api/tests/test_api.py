@@ -24,7 +24,7 @@ def test_a_library_replaces_another(tmp_path: Path) -> None:
         library = make_library(tmp_path, changes)
         assert library == tmp_path / "library.json" and list(models_of(library)) == [f"mug_0{i}" for i in range(mugs)]
         assert len(list(tmp_path.glob("shard_*.zip"))) == len(list(tmp_path.glob("snapshots/*.h5"))) == shards
-        features = _features(_settings(changes), "b", tmp_path / "snapshots/shard_0.h5")
+        features = _features(_settings(changes), "default", tmp_path / "snapshots/shard_0.h5")
         made.append(features.read_bytes())
     assert made[0] != made[1] and own.read_text() == "not ours"
     assert len(list(tmp_path.glob("features/*/*.npy"))) == 1

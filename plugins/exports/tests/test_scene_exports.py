@@ -66,7 +66,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> ExportedScene:
     ]
     made = GeneratedScene(
         scene="room_t",
-        variant="b",
+        variant="default",
         rank=1,
         width=WIDTH,
         height=HEIGHT,

@@ -53,7 +53,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> ExportedScene:
     write_asset(model, folder, Description("tilted", "cabinet", "CC0-1.0", "test"))
     body = Body("tilted_1", "cabinet", read_asset(folder), folder, read_model(folder), POSE, fixed=True)
     made = GeneratedScene(
-        scene="room_t", variant="b", rank=1, width=200, height=150,
+        scene="room_t", variant="default", rank=1, width=200, height=150,
         intrinsics=[[150.0, 0, 99.5], [0, 150.0, 74.5], [0, 0, 1]], floor_from_camera=CAMERA.tolist(),
         walls=[], objects=[],
     )  # fmt: skip

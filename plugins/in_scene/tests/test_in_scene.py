@@ -36,7 +36,7 @@ def scene(rank: int, *others: PlacedObject, target: str = "cab") -> GeneratedSce
     )  # fmt: skip
     camera = [[0.0, 0.0, 1.0, -1.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 1.4], [0.0, 0.0, 0.0, 1.0]]
     return GeneratedScene(
-        scene="room_1", variant="b", rank=rank, width=64, height=48, floor_from_camera=camera,
+        scene="room_1", variant="default", rank=rank, width=64, height=48, floor_from_camera=camera,
         intrinsics=[[50.0, 0.0, 31.5], [0.0, 50.0, 23.5], [0.0, 0.0, 1.0]],
         walls=[Wall(id="wall_1", normal=(-1.0, 0.0, 0.0), offset=-2.3, points=9)], objects=[hung, *others],
     )  # fmt: skip
@@ -199,7 +199,7 @@ def test_places_begin_with_the_usual_one_and_are_all_different() -> None:
 
 
 def test_a_failed_scene_has_a_reason_and_no_film() -> None:
-    about = {"scene": "room_1", "variant": "b", "rank": 1, "asset": "cab"}
+    about = {"scene": "room_1", "variant": "default", "rank": 1, "asset": "cab"}
     with pytest.raises(ValueError, match="film"):
         SceneDemonstration(**about, status="ok")
     with pytest.raises(ValueError, match="reason"):

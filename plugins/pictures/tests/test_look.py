@@ -62,7 +62,7 @@ def objects_of(items: list[Placed], away: float = 0.0) -> Objects:
 
 def scene_of(objects: Objects) -> GeneratedScene:
     fields = ("scene", "width", "height", "intrinsics", "floor_from_camera", "walls")
-    return GeneratedScene(variant="b", rank=1, objects=[], **{name: getattr(objects, name) for name in fields})
+    return GeneratedScene(variant="default", rank=1, objects=[], **{name: getattr(objects, name) for name in fields})
 
 
 def true_look(light: Any) -> Look:

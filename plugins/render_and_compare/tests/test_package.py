@@ -9,13 +9,13 @@ from tests.refusals import refused
 from tests.workflow.workspace import dry_run, make
 
 CORES = "{model_selection: distance, orientation_selection: distance}"
-PICTURE = "results/matching/b/room_1/cousins.png"
+PICTURE = "results/matching/default/room_1/cousins.png"
 
 
 def test_the_section_is_read_where_its_judge_is_asked() -> None:
     def told(**changes: object) -> dict[str, object]:
-        given = {"geometry": {"nearest": 7}, "experiment": {"variants": {"b": changes}}}
-        return options_of(load(given), "matching", "match", {"variant": "b"})
+        given = {"geometry": {"nearest": 7}, "experiment": {"variants": {"default": changes}}}
+        return options_of(load(given), "matching", "match", {"variant": "default"})
 
     assert told()["geometry"] == {"nearest": 7, "outline": 1, "depth": 0.5, "lines": 0.5, "colour": 0}
     assert told(geometry={"colour": 1})["geometry"] == told()["geometry"] | {"colour": 1}  # type: ignore[operator]

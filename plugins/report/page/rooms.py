@@ -20,7 +20,7 @@ from roomkin.stages.contracts.generated import GeneratedScene
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.contracts.objects import Objects
 from roomkin.stages.plugins import shorten_name
-from roomkin.stages.tables.order import sort_key, title
+from roomkin.stages.tables.order import sort_key, title, variant_key
 from roomkin.stages.tables.table2 import judge
 
 
@@ -162,7 +162,7 @@ def _list_origins(name: str, found: dict[str, Findings]) -> dict[str, Provenance
 def _room(files: RunFiles, name: str, album: Album, snapshots: SnapshotShards) -> RoomPart:
     label = title(name)
     patterns = (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
-    variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=sort_key)
+    variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=variant_key)
     found = {
         variant: Findings.read(
             files.find_first(f"extraction/{name}/objects.json"),

@@ -36,7 +36,7 @@ def entry() -> ObjectCousins:
 
 
 def found(item: SceneObject, *things: PlacedObject) -> Findings:
-    scenes = [GeneratedScene(variant="b", rank=rank, objects=[one], **VIEW) for rank, one in enumerate(things, 1)]
+    scenes = [GeneratedScene(variant="default", rank=rank, objects=[one], **VIEW) for rank, one in enumerate(things, 1)]
     return Findings(Objects(objects=[item], **VIEW), Cousins.model_construct(objects=[entry()]), scenes)
 
 

@@ -23,13 +23,13 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of two rooms, both made."""
     found = write_run(tmp_path_factory.mktemp("run")) / "results"
     for room in ("room_1", "room_2"):
-        Image.new("RGB", (288, 108), "grey").save(found / f"generation/b/{room}/thumbnail.webp")
+        Image.new("RGB", (288, 108), "grey").save(found / f"generation/default/{room}/thumbnail.webp")
     return found
 
 
 @pytest.fixture
 def layout(results: Path, tmp_path: Path) -> RunFolders:
-    return RunFolders(results, tmp_path / "logs", "b")
+    return RunFolders(results, tmp_path / "logs", "default")
 
 
 def log(layout: RunFolders, name: str, text: str) -> None:
@@ -41,9 +41,9 @@ def log(layout: RunFolders, name: str, text: str) -> None:
 def test_a_scene_tells_what_failed_and_what_is_doubtful(layout: RunFolders) -> None:
     found = row("room_1", layout)
     assert found.stopped is None and found.picture.startswith("data:image/webp;base64,")
-    scene = read_json(GeneratedScene, layout.results / "generation/b/room_1/scene_1.json")
+    scene = read_json(GeneratedScene, layout.results / "generation/default/room_1/scene_1.json")
     assert found.placed == sum(item.status == "ok" for item in scene.objects) > 0
-    assert len(found.found.scenes) == len(list(layout.results.glob("generation/b/room_1/scene_*.json")))
+    assert len(found.found.scenes) == len(list(layout.results.glob("generation/default/room_1/scene_*.json")))
     assert ("vase_1", "extraction") in {(failure.about, failure.stage) for failure in found.failures}
     assert all(failure.reason for failure in found.failures) and found.doubts
 
@@ -77,8 +77,8 @@ def test_what_later_stages_left_of_an_earlier_run_does_not_count(layout: RunFold
             copied = tmp_path / "results" / path.relative_to(layout.results)
             copied.parent.mkdir(parents=True, exist_ok=True)
             copied.write_bytes(path.read_bytes())
-    left = RunFolders(tmp_path / "results", layout.logs, "b")
-    log(layout, "matching/b_room_1", "error: features: too few\n")
+    left = RunFolders(tmp_path / "results", layout.logs, "default")
+    log(layout, "matching/default_room_1", "error: features: too few\n")
     found = row("room_1", left)
     assert found.stopped and (found.stopped.stage, found.stopped.reason) == ("matching", "features: too few")
     assert (found.found.scenes, found.placed, found.picture) == ([], 0, "") and found.found.seen
@@ -92,10 +92,10 @@ def test_reasons_that_differ_by_numbers_are_one(layout: RunFolders) -> None:
 
 def test_the_page_needs_nothing_else(results: Path, layout: RunFolders, tmp_path: Path) -> None:
     log(layout, "extraction/lost", "error: rgb.png: <b>broken</b>\n")
-    page, failed = tmp_path / "b.html", tmp_path / "b.failed.html"
+    page, failed = tmp_path / "default.html", tmp_path / "default.failed.html"
     failed.touch()
     overview.run(
-        scenes=("room_2", "room_10", "lost", "room_1"), variant="b", out=page, results=results, logs=layout.logs,
+        scenes=("room_2", "room_10", "lost", "room_1"), variant="default", out=page, results=results, logs=layout.logs,
         pages=(tmp_path / "scenes" / "room_2.html",),
     )  # fmt: skip
     assert not failed.exists()
@@ -104,7 +104,7 @@ def test_the_page_needs_nothing_else(results: Path, layout: RunFolders, tmp_path
     checker.feed(text)
     assert checker.open == [] and checker.unnamed == []
     outside = [one for one in (*checker.links, *checker.sources) if not one.startswith("data:")]
-    assert outside == ["scenes/room_2.html?from=../b.html"]
+    assert outside == ["scenes/room_2.html?from=../default.html"]
     assert re.findall(r'<th scope="row">(?:<a [^>]*>)?(\w+)<', text) == ["lost", "room_1", "room_2", "room_10"]
     assert "rgb.png: &lt;b&gt;broken&lt;/b&gt;" in text and "2 were made" in text and "1 stopped" in text
 
@@ -112,12 +112,12 @@ def test_the_page_needs_nothing_else(results: Path, layout: RunFolders, tmp_path
 def test_a_thousand_rows_are_shown_and_sorted(results: Path, layout: RunFolders, tmp_path: Path, browser: Any) -> None:  # noqa: F811
     names = [f"kitchen_{number}" for number in range(1000)]
     for name in names:
-        for stage in ("extraction", "matching/b", "generation/b"):
+        for stage in ("extraction", "matching/default", "generation/default"):
             (tmp_path / "results" / stage).mkdir(parents=True, exist_ok=True)
             (tmp_path / "results" / stage / name).symlink_to(results / stage / f"room_{1 + len(name) % 2}")
     log(layout, "extraction/lost", "error: broken\n")
-    page = tmp_path / "b.html"
-    overview.run(scenes=(*names, "lost"), variant="b", out=page, results=tmp_path / "results", logs=layout.logs)
+    page = tmp_path / "default.html"
+    overview.run(scenes=(*names, "lost"), variant="default", out=page, results=tmp_path / "results", logs=layout.logs)
     assert page.stat().st_size < 12_000_000
     for width in (360, 1440):
         shown = browser.new_page(viewport={"width": width, "height": 900}, color_scheme="dark")
@@ -145,4 +145,4 @@ def test_broken_results_are_no_row(layout: RunFolders, tmp_path: Path) -> None:
     made.mkdir(parents=True)
     (made / "objects.json").write_text("{}")
     with refused("E-CONTRACT-VERSION"):
-        row("room", RunFolders(tmp_path / "results", layout.logs, "b"))
+        row("room", RunFolders(tmp_path / "results", layout.logs, "default"))

@@ -36,7 +36,7 @@ def pages(address: str, made: Path) -> dict[str, Path]:  # noqa: F811
     """Every page that the report's rules write, of small made-up runs."""
     report = Path(address.removeprefix("file://"))
     results, over = report.parent / "results", report.with_name("overview.html")
-    overview.run(scenes=("room_1", "room_2", "lost"), variant="b", out=over, results=results, logs=report.parent)
+    overview.run(scenes=("room_1", "room_2", "lost"), variant="default", out=over, results=results, logs=report.parent)
     tables = {path.stem: path for path in results.glob("tables/*.html")} | {"scene": made / "room_1.html"}
     return {"report": report, "times": report.with_name("times.html"), "overview": over} | tables
 

@@ -81,8 +81,8 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The page of a small run."""
     root = write_run(tmp_path_factory.mktemp("browser"))
     results = root / "results"
-    cabinet_to_turn(root, results / "generation/b/room_1")
-    scores = tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv")))
+    cabinet_to_turn(root, results / "generation/default/room_1")
+    scores = tuple(sorted(results.glob("evaluation/scenes/default/*/scores.csv")))
     scenes.run(out=results / "tables", figures=results / "figures", scores=scores, published=PUBLISHED)
     rollouts = tuple(sorted(results.glob("evaluation/policies/*/rollouts.csv")))
     out = {"out": results / "tables", "figures": results / "figures"}

@@ -23,8 +23,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page about room_1."""
     root = write_run(tmp_path_factory.mktemp("run"))
     results = root / "results"
-    cabinet_to_turn(root, results / "generation/b/room_1")
-    (results / "generation/b/room_1/scene_1.glb").write_bytes(b"glTF" * 100)
+    cabinet_to_turn(root, results / "generation/default/room_1")
+    (results / "generation/default/room_1/scene_1.glb").write_bytes(b"glTF" * 100)
     depth = np.full((160, 240), 2.0, np.float32)
     depth[80:] = 4
     np.savez_compressed(results / "extraction/room_1/depth.npz", depth=depth)
@@ -54,7 +54,7 @@ def test_it_tells_what_was_found_and_what_became_of_it(made: Path) -> None:
 
 def test_every_doubt_has_the_command_that_opens_the_page_to_put_it_right(made: Path) -> None:
     text = (made / "room_1.html").read_text()
-    opens = f"annotate {made}/results/scenes/room_1/input --scene room_1 --variant b --choose"
+    opens = f"annotate {made}/results/scenes/room_1/input --scene room_1 --variant default --choose"
     section = text[text.index('<section id="doubts">') : text.index('<section id="found">')]
     doubts = re.findall(r'<li class="doubt"><b>(.*?)</b>: .*?(?:<code>(.*?)</code>|</li>)', section, re.DOTALL)
     assert len(doubts) > 1

@@ -59,7 +59,7 @@ def test_it_says_the_root_before_the_doubts(root: Path) -> None:
     assert re.search(r"\d things were found, 1 left out", said) and re.search(r"walls? (was|were) found|No wall", said)
     assert "<b>armchair, 41 %</b>: no name is sure" in said and "clock" not in said, "a person has taken it"
     folder = root / "results/scenes/room_1/input"
-    assert f"<code>roomkin annotator annotate {folder} --scene room_1 --variant b</code>" in said
+    assert f"<code>roomkin annotator annotate {folder} --scene room_1 --variant default</code>" in said
     assert said.count("<polygon") == 1
     assert "box: no pixel shows it, left out" in said
     assert said.index("above the ground") < said.index('class="doubt"')
@@ -117,7 +117,7 @@ def test_five_doubts_are_shown_the_others_folded(root: Path) -> None:
 
 
 def test_doubts_come_by_their_chance_times_the_size_of_the_thing(root: Path) -> None:
-    path = root / "results/generation/b/room_1/scene_1.json"
+    path = root / "results/generation/default/room_1/scene_1.json"
     scene = read_json(GeneratedScene, path)
     sizes = {"bowl_1": (0.2, 0.2, 0.1)}
     placed = [one.model_copy(update={"size": sizes.get(one.id, one.size)}) for one in scene.objects]
@@ -156,7 +156,7 @@ def test_the_surest_of_what_is_left_out_comes_first_and_the_unlikely_is_folded(r
     assert re.findall(r'<li id="left-out-\d+"><b>(.*?)</b>', listed) == ["sofa, 44 %", "mug, 10 %"]
     assert "<b>cutlery, 1 %</b>" in folded
     assert re.findall("<text.*?>(.*?)</text>", said) == ["sofa, 44 %?", "mug, 10 %?"]
-    assert said.count("--scene room_1 --variant b</code>") == 1, "one page takes them all"
+    assert said.count("--scene room_1 --variant default</code>") == 1, "one page takes them all"
 
 
 def test_what_a_person_said_of_what_is_not_found_is_listed(root: Path) -> None:

@@ -112,7 +112,7 @@ def test_cousins_are_shown_as_they_stand_else_as_matching_turned_them() -> None:
     """Generation lays rears into walls, whatever the picture says; ranks without a scene are drawn as matched."""
     scene = GeneratedScene(
         **evidence(thing()).objects.model_dump(include={"width", "height", "intrinsics", "floor_from_camera", "walls"}),
-        scene="t", variant="b", rank=1, objects=[placed(position=(3.0, 0.0, 0.4), yaw=np.pi)],
+        scene="t", variant="default", rank=1, objects=[placed(position=(3.0, 0.0, 0.4), yaw=np.pi)],
     )  # fmt: skip
     snapshots: Any = Views()
     views = {"desk_1": views_of([scene], "desk_1")}

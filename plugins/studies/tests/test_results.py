@@ -130,7 +130,7 @@ def test_a_task_that_was_rolled_out_less_often_is_said_to_be() -> None:
 
 def test_what_was_shown_randomised_was_shown_in_wider_extents(study: Path) -> None:
     """An asset 1.4 times as large as the twin: between 0.6 and 1.5 times, and not between 0.75 and 1.25 times."""
-    path = study / "results/experiment/b/door/assets.json"
+    path = study / "results/experiment/default/door/assets.json"
     chosen = read_json(TaskAssets, path)
     twin = chosen.assets[0]
     width, height = twin.panel_size
@@ -171,7 +171,8 @@ def test_configs_are_merged_as_the_workflow_merges_them(tmp_path: Path) -> None:
 
 def test_a_study_of_table_2_tells_what_is_there_and_counts_whole_draws_alone(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text(
-        "experiment: {rooms: [room_1, room_2], targets: {door: null}, training_sets: [], variants: {b: {}, ours: {}}, "
+        "experiment: {rooms: [room_1, room_2], targets: {door: null}, training_sets: [], policy_variant: b, "
+        "variants: {default: null, b: {}, ours: {}}, "
         "protocols: {noise: {seeds: [1, 2], variants: [b]}, unknown: {unknown: true, variants: [ours]}}}"
     )
     scenes = {"room_1": {}, "room_2": {}, "room_1.noise.1": {"draw": 1}, "room_2.noise.1": {"draw": 1}}

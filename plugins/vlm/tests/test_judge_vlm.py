@@ -162,12 +162,12 @@ def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool)
     Config = complete()
     config = Config.model_validate({"perception": {"captions": captions}, "vlm": {"model": "toy"}})
     assert ("toy" in repr(options_of(config, "perception", "see", {}))) == read
-    assert "toy" not in repr(options_of(config, "matching", "match", {"variant": "b"}))
+    assert "toy" not in repr(options_of(config, "matching", "match", {"variant": "default"}))
     judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "vlm": {"model": "toy"}})
-    assert "toy" in repr(options_of(judged, "matching", "match", {"variant": "b"}))
-    other = {"variants": {"b": {"vlm": {"model": "other"}}}}
+    assert "toy" in repr(options_of(judged, "matching", "match", {"variant": "default"}))
+    other = {"variants": {"default": {"vlm": {"model": "other"}}}}
     judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "experiment": other})
-    assert options_of(judged, "matching", "match", {"variant": "b"})["vlm"]["model"] == "other"
+    assert options_of(judged, "matching", "match", {"variant": "default"})["vlm"]["model"] == "other"
 
 
 def test_a_key_is_asked_for_where_pictures_are_captioned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
