@@ -5,7 +5,6 @@ from functools import partial
 from pathlib import Path
 
 from roomkin.stages.config.packages import load_command
-from roomkin.stages.contracts.errors import file_missing
 from roomkin.workflow import run_snakemake
 
 
@@ -32,19 +31,16 @@ def run(
         cores: jobs at a time; each takes up to 2 GB.
     """
     named = {"image": image, "depth": depth, "camera": intrinsics}
-    for path in (path for path in [*named.values(), *config] if path is not None):
-        if not path.exists():
-            raise file_missing(path)
     load_command("perception", "fetch")()
-    then = partial(_show, image, depth, intrinsics) if sys.stdout.isatty() else None
+    then = partial(_show, image) if sys.stdout.isatty() else None
     files = ["--configfile", *map(str, config)] if config else []
     given = [f"{key}={_as_text(path)}" for key, path in named.items() if path]
     run_snakemake(cores, "photo", *files, "--config", *given, then=then)
 
 
-def _show(image: Path, depth: Path | None, intrinsics: Path | None) -> None:
+def _show(image: Path) -> None:
     """The page of the scene, where somebody sits before it."""
-    load_command("annotator", "after")(image, depth=depth, camera=intrinsics and str(intrinsics))
+    load_command("annotator", "after")(image)
 
 
 def _as_text(path: Path) -> str:

@@ -2,21 +2,23 @@
 
 import json
 import webbrowser
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from roomkin.plugins.annotator.correcting import Correcting
-from roomkin.plugins.annotator.server import PageServer
+from roomkin.plugins.annotator.server import Page, PageServer
 from roomkin.plugins.annotator.session import Session
 from roomkin.plugins.annotator.shown import is_bare, name_drawn
-from roomkin.stages.config.inputs import scene_of_folder
+from roomkin.stages.config.inputs import describe_missing, scene_of_folder
 from roomkin.stages.contracts import Camera, InputError, Library, read_json
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.errors import suggest_nearest
-from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT
+from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT, is_drawn
 from roomkin.stages.contracts.images import orientation_of, read_depth
 from roomkin.stages.perception.drawing.write import at_size
-from roomkin.stages.perception.read.photo import Photo, read_photo
+from roomkin.stages.perception.read.photo import read_photo
 
 
 def _categories(library: Path | None) -> list[str]:
@@ -66,25 +68,28 @@ def run(
             if given is not None:
                 what = "is for a picture; the folder has its own."
                 raise InputError(name, what, "leave it out", code="E-OPTION-CONFLICT")
-        name = scene or scene_of_folder(image)
+        name, picture = scene or scene_of_folder(image), image / "rgb.png"
         correcting = Correcting(image, _categories(library), results, name, variant, choose)
         _check_named(correcting, results, scene, choose)
-        session: Session | Correcting = correcting
+        session: Page = correcting
+        draw = partial(_open_photograph, picture, None, image, None, None, library)
+        other: Callable[[], Page] | None = draw if is_drawn(image) else None
     elif lens is not None and depth is not None:
         what, mend = "bends the picture, not the depth.", "`perception from-rgbd` straightens both"
         raise InputError("--lens", what, mend, code="E-OPTION-CONFLICT")
     else:
-        session = _open_photograph(read_photo(image, lens), image, out, depth, camera, library)
+        session = _open_photograph(image, lens, out, depth, camera, library)
+        other = partial(_open_scene, session.folder, _categories(library), results)
     session.begin_looking()
     try:
-        server = PageServer(session, port)
+        server = PageServer(session, port, other)
     except OSError as error:
         raise InputError(
             f"--port {port}", f"cannot be used ({error.strerror}).", "leave it out", code="E-PORT-TAKEN"
         ) from None
     path = session.kept.path
-    if (other := path.with_name(PROJECT if isinstance(session, Session) else CORRECTIONS)) != path:
-        print(f"{other}: is of another picture: kept, not opened")
+    if (taken := path.with_name(PROJECT if isinstance(session, Session) else CORRECTIONS)) != path:
+        print(f"{taken}: is of another picture: kept, not opened")
     print(f"Draw at {server.address}\nEnd it there, or with Ctrl+C: {path} keeps what is drawn.", flush=True)
     if browser:
         webbrowser.open(server.address)
@@ -95,6 +100,7 @@ def run(
     finally:
         server.making.stop()
         server.server_close()
+    session = server.session
     folder = session.folder
     if isinstance(session, Correcting) and is_bare(folder):
         print(f"{folder}: no masks yet: open it again, and end it with Done")
@@ -126,10 +132,18 @@ def _check_named(session: Correcting, results: Path, scene: str | None, choose: 
         raise InputError("--choose", f"there is no '{choose}' in the picture.", fix, code="E-OBJECT-MISSING")
 
 
+def _open_scene(folder: Path, categories: list[str], results: Path) -> Correcting:
+    """What was made of the folder of a drawing."""
+    if describe_missing(folder):
+        raise InputError(folder, "has no scene yet.", "make scenes of it, first", code="E-SCENE-EMPTY")
+    return Correcting(folder, categories, results, scene_of_folder(folder))
+
+
 def _open_photograph(
-    photo: Photo, image: Path, out: Path | None, depth: Path | None, camera: Path | None, library: Path | None
+    image: Path, lens: Path | None, out: Path | None, depth: Path | None, camera: Path | None, library: Path | None
 ) -> Session:
     """A photograph that is drawn into."""
+    photo = read_photo(image, lens)
     height, width = photo.rgb.shape[:2]
     if photo.shrunk > 1:
         print(f"{image}: made smaller, to {width}x{height} pixels")
@@ -139,9 +153,16 @@ def _open_photograph(
     if depth is not None and (turned := orientation_of(image)) > 1:
         print(f"{image}: is turned by its EXIF data ({turned}); {depth} is taken to be upright")
     given = None if depth is None else at_size(read_depth(depth)[0], width, height)
-    session = Session(photo, image.name, _folder(out or image.with_suffix("")), _categories(library), given)
+    session = Session(photo, _name(image), _folder(out or image.with_suffix("")), _categories(library), given)
     session.open_drawing()
     return session
+
+
+def _name(image: Path) -> str:
+    """What a picture is called; rgb.png in an input folder as the file that it was read from."""
+    about = image.with_name("camera.json")
+    known = read_json(Camera, about).picture if image.name == "rgb.png" and about.is_file() else ""
+    return known or image.name
 
 
 def _folder(path: Path) -> Path:

@@ -1,7 +1,7 @@
 // What both pages have: buttons above the picture, writing and closing, and keys that are the same on both.
 import { fit, zoom } from './canvas.js';
 import { bindMaking } from './making.js';
-import { ask, changed, edit, find, hurry, loses, onChange, redo, save, solve, state, undo } from './state.js';
+import { ask, changed, edit, find, hurry, loses, onChange, redo, save, solve, state, undo, unsaved } from './state.js';
 
 const get = (id) => document.getElementById(id);
 function whole() { fit(); changed(); }
@@ -63,6 +63,10 @@ export function bindFrame(made) {
       state.trouble = error.message;
       changed();
     }
+  });
+  get('other').addEventListener('click', async () => {
+    if (unsaved()) await save();
+    if (!unsaved()) ask('turn', {}).then(() => location.reload(), (error) => { state.trouble = error.message; changed(); });
   });
   addEventListener('beforeunload', (event) => {
     if (document.activeElement.matches('input')) document.activeElement.blur(); // what is typed there is an edit

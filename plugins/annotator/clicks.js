@@ -32,12 +32,12 @@ export function click(from, at, adds, page) {
 export function another(page) {
   inTurn(async () => {
     const now = clicked();
-    if (now?.guesses.length > 1) await take({ clicks: now.clicks, guesses: now.guesses, at: (now.at + 1) % now.guesses.length }, page);
+    if (now?.guesses.length > 1) await take({ clicks: now.clicks, guesses: now.guesses, at: (now.at + 1) % now.guesses.length }, page, true);
   });
 }
-async function take(said, page) {
+async function take(said, page, renames = false) { // a further click changes what it shows, not what it is called
   const outlines = said.guesses[said.at];
-  const now = clicked(), item = find(await page.put(outlines, await ask('names', { outlines, ...page.about(now?.item) }), now));
+  const now = clicked(), item = find(await page.put(outlines, await ask('names', { outlines, ...page.about(now?.item) }), now, renames));
   state.chosen = item.id;
   state.clicked = { ...said, id: item.id, made: kept(item), was: copy(item) };
 }

@@ -13,7 +13,7 @@ const get = (id) => document.getElementById(id);
 const svg = get('view');
 const SMALLEST = 4; // pixels of a side, below which a drag is a click
 const HINTS = {
-  select: 'Click what is wrong, in the picture or in a list. B draws a box around what is missing.',
+  select: 'Click what is wrong, in the picture or in a list. F draws a frame around what is missing.',
   box: 'Press at one corner of the thing, let go at the opposite one.',
   outline: 'Click around what is seen of it; Enter closes the outline.',
   join: 'Click what is a part of the chosen thing, one after the other; J or Esc: done.',
@@ -161,6 +161,9 @@ function close() {
   if (!chosen()) add({ outline });
   else { edit(() => Object.assign(chosen(), { outline, pieces: [] })); choose('select'); }
 }
+function back() { // the last point again
+  if (state.draft.points.length > 2) { state.draft.points.splice(-2, 1); draw(); } else choose('select');
+}
 function leaveOut(project, mask) {
   project.objects = project.objects.filter((item) => item.mask !== mask);
   for (const item of project.objects) for (const key of ['on', 'like']) if (item[key] === mask) item[key] = null;
@@ -260,7 +263,7 @@ document.addEventListener('keydown', (event) => {
   if (frameKey(event)) return;
   const key = keyOf(event);
   const item = chosen(), box = item && boxOf(item);
-  if (key === 'b') { state.chosen = null; choose('box'); }
+  if (key === 'f') { state.chosen = null; choose('box'); }
   else if (key === 'c') choose('click');
   else if (key === 'o') choose('outline');
   else if (key === 'j' && item) choose('join');
@@ -268,11 +271,12 @@ document.addEventListener('keydown', (event) => {
   else if (key === 'Enter' && state.tool === 'click') { clicks.end(); changed(); }
   else if (key === 'g' && state.tool === 'click') clicks.another(page);
   else if (key === 'Enter' && state.draft?.kind === 'outline') close();
+  else if (key === 'Backspace' && state.draft) back();
   else if ((key === 'Delete' || key === 'Backspace') && item) remove();
   else if (ARROWS[key] && box) {
     const [dx, dy] = ARROWS[key].map((value) => value * (event.shiftKey ? 10 : 1));
     edit(() => setBox(item, box.map(([x, y]) => [x + dx, y + dy])));
-  } else if (key === 'm' && !get('made').hidden) swap();
+  } else if (key === 's' && !get('made').hidden) swap();
   else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
   else return;
   event.preventDefault();
@@ -304,6 +308,7 @@ async function start() {
   state.before = new Map(answer.project.objects.map((item) => [item.mask, JSON.stringify(item)]));
   get('made').hidden = !answer.pictured;
   get('command').textContent = answer.command;
+  get('other').hidden = !answer.other;
   get('title').textContent = document.title = answer.project.picture;
   get('folder').textContent = answer.folder;
   get('categories').replaceChildren(...answer.categories.map((name) => new Option(name)));

@@ -19,7 +19,7 @@ from roomkin.plugins.annotator.session import Answer
 from roomkin.plugins.annotator.shown import Drawing, Thing, is_bare, name_drawn, read_bare, view_room, write_masks
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.doubt import Doubt
-from roomkin.stages.contracts.hand import PROJECT, Correction, Corrections, hand_folder
+from roomkin.stages.contracts.hand import Correction, Corrections, is_drawn
 from roomkin.stages.contracts.objects import Wall, object_ids
 from roomkin.stages.contracts.parts import says_opening
 from roomkin.stages.contracts.scene_input import read_scene_input
@@ -72,8 +72,7 @@ class Correcting(Clicked):
     def __post_init__(self) -> None:
         self.given = read_bare(self.folder) if is_bare(self.folder) else read_scene_input(self.folder)
         self.found = list_found(self.given.annotations)
-        drawn = any((place / PROJECT).is_file() for place in (self.folder, hand_folder(self.folder)))
-        things = None if drawn else read_things(self.folder)  # the drawing page takes them
+        things = None if is_drawn(self.folder) else read_things(self.folder)  # the drawing page takes them
         self.left_out = {item.mask: item for item in things.left_out if item.mask not in self.found} if things else {}
         self._said = Said(self.folder)
         self.kept = Kept(self._said.path)

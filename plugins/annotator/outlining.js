@@ -11,8 +11,8 @@ const place = (item, outlines, label) => ask('place', { ...about(item), outlines
 export const page = {
   about,
   outlines: (item) => [item.outline, ...item.pieces ?? []],
-  async put(outlines, named, now) {
-    const item = now?.item, label = item?.label && item.label !== now.was?.label ? item.label : named.label;
+  async put(outlines, named, now, renames) {
+    const item = now?.item, label = item?.label && !(renames && item.label === now.was?.label) ? item.label : named.label;
     const box = !item || isAsProposed(now) ? await place(item, outlines, label) : {};
     const id = item?.id ?? freeId('object');
     state.proposals[id] = named.names;

@@ -183,6 +183,7 @@ async function start() {
   Object.assign(state, { project: answer.project, fresh: answer.fresh, depth: answer.depth });
   get('title').textContent = document.title = answer.project.picture;
   get('folder').textContent = answer.folder;
+  get('other').hidden = !answer.other;
   get('categories').replaceChildren(...answer.categories.map((name) => new Option(name)));
   if (answer.project.objects.length) state.step = 'objects';
   begin();

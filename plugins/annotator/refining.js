@@ -8,8 +8,8 @@ export const freeMask = () => Math.max(state.free - 1, ...state.project.objects.
 export const page = {
   about: () => ({}),
   outlines: (item) => state.solved.regions[item.id]?.outlines ?? [],
-  async put(outlines, named, now) {
-    const item = now?.item, label = item?.label && item.label !== now.was?.label ? item.label : named.label || null;
+  async put(outlines, named, now, renames) {
+    const item = now?.item, label = item?.label && !(renames && item.label === now.was?.label) ? item.label : named.label || null;
     const mask = item?.mask ?? freeMask(), id = item?.id ?? `drawn_${mask}`;
     state.proposals[mask] = named.names;
     edit((project) => {

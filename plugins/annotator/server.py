@@ -4,6 +4,7 @@ import json
 import re
 import secrets
 import sys
+from collections.abc import Callable
 from hmac import compare_digest
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -25,7 +26,9 @@ PAGES = {
     "page.css": ("page.css", "text/css; charset=utf-8"),
     **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
 }
-NEWEST = {"save", "write", "close", "make", "stop"}  # what only the newest page may ask for
+Page = Session | Correcting
+OF_SERVER = {"make", "stop", "turn"}
+NEWEST = {"save", "write", "close", *OF_SERVER}  # what only the newest page may ask for
 OPENED_AGAIN = "this drawing was opened again in another tab: go on there, or reload this one"
 MAX_REQUEST = 2_000_000  # bytes of a request: no drawing comes near
 POLICY = (
@@ -110,7 +113,7 @@ class Handler(BaseHTTPRequestHandler):
         """One of the session's commands, with a JSON body."""
         name = self._name()
         session = self.server.session
-        if name not in (*session.posts, "make", "stop"):
+        if name not in (*session.posts, *OF_SERVER):
             return self._refuse(404, "no such page")
         length = self.headers.get("Content-Length", "")
         if not re.fullmatch("[0-9]{1,18}", length):
@@ -147,8 +150,12 @@ class Handler(BaseHTTPRequestHandler):
                     return session.close(body)
                 if name == "make":
                     server.making.start(session.command())
-                if name in ("make", "stop"):
-                    return server.making.stop() if name == "stop" else {}
+                elif name == "stop":
+                    server.making.stop()
+                elif name == "turn":
+                    server.turn()
+                if name in OF_SERVER:
+                    return {}
                 edits = int(self.headers.get("X-Edits", server.edits))
                 if edits >= server.edits:  # else it was overtaken by a newer one
                     session.save(body)
@@ -160,13 +167,13 @@ class Handler(BaseHTTPRequestHandler):
 
 
 class PageServer(ThreadingHTTPServer):
-    """Serves one session at `address` until it is closed."""
+    """Serves one session at `address` until it is closed; with `other`, the other page of its picture in its place."""
 
     daemon_threads = True
 
-    def __init__(self, session: Session | Correcting, port: int = 0) -> None:
+    def __init__(self, session: Page, port: int = 0, other: Callable[[], Page] | None = None) -> None:
         super().__init__(("127.0.0.1", port), Handler)
-        self.session = session
+        self.session, self._other = session, other
         self.token = secrets.token_urlsafe(24)
         self.lock = Lock()
         self.making = Making()
@@ -180,7 +187,18 @@ class PageServer(ThreadingHTTPServer):
         with self.session.kept.lock:
             self.opened, self.edits = self.opened + 1, 0
             self.session.kept.look()
-            return {**self.session.start(), "page": self.opened}
+            return {**self.session.start(), "page": self.opened, "other": self._other is not None}
+
+    def turn(self) -> None:
+        """Show the other page of the same picture at the address from now on."""
+        if self._other is None:
+            raise InputError("the other page", "is not there.", "go on here", code="E-OPTION-CONFLICT")
+        before, self.session = self.session, self._other()
+        self._other = lambda: before
+        if isinstance(self.session, Correcting):
+            self.session.__post_init__()  # it shows what was written and made meanwhile
+        if self.session.clicker is None:
+            self.session.begin_looking()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A page that was closed or reloaded in the middle of an answer is no error."""

@@ -112,7 +112,8 @@ function tell(text) {
 // What is not saved yet is sent, also if the page is closed.
 export function hurry() { if (kept < edits) send(true); }
 // Whether leaving loses something, as it is too large to be sent then, or cannot be saved.
-export const loses = () => kept < edits && (failed || isLarge(JSON.stringify(state.project)));
+export const unsaved = () => kept < edits;
+export const loses = () => unsaved() && (failed || isLarge(JSON.stringify(state.project)));
 
 function travel(from, to) {
   if (!from.length) return;

@@ -128,7 +128,10 @@ function finish(count) {
   if (tool === 'measure') { const field = document.getElementById('scale-metres'); field.focus(); field.select(); }
 }
 
-export function cancel() { state.draft = null; state.tool = 'select'; changed(); solve(); }
+export function cancel() {
+  if (state.tool === 'select') state.chosen = state.handle = null;
+  state.draft = null; state.tool = 'select'; changed(); solve();
+}
 
 // The place in the drawing that a handle moves.
 function place(name) {

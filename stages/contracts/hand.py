@@ -8,6 +8,7 @@ A person's work on pictures, corrections.json and project.json: which picture it
 import json
 import os
 import re
+import shlex
 import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -197,6 +198,18 @@ def hand_folder(folder: Path) -> Path:
         if found := MADE.fullmatch(Path(os.path.normpath(path)).as_posix()):
             return Path(found[1] or "", HAND, found[2] or found[3])
     return folder
+
+
+def command_for(folder: Path) -> str:
+    """The command whose page corrects an input folder: for one that the workflow makes, as `roomkin picture` ends."""
+    made = hand_folder(folder)
+    words = ["correct", made.name] if made != folder else ["annotator", "annotate", str(folder)]
+    return shlex.join(["roomkin", *words])
+
+
+def is_drawn(folder: Path) -> bool:
+    """Whether an input folder was drawn into a photograph, by networks or by hand."""
+    return any((place / PROJECT).is_file() for place in (folder, hand_folder(folder)))
 
 
 def find_hand_file(folder: Path, name: str, picture: Callable[[], str]) -> Path:

@@ -139,11 +139,13 @@ def is_clone() -> bool:
 
 
 def to_run(words: str) -> str:
-    """A Snakemake command line that works from here: a clone's workflow runs there, an installed one everywhere."""
+    """A Snakemake command line that works from here: a clone's workflow runs there, or where results are; an installed
+    one everywhere.
+    """
     home = PACKAGES.parent
     if is_clone():
         return f"snakemake {words}"
-    if (home / "pyproject.toml").is_file():
+    if (home / "pyproject.toml").is_file() and not Path("results").is_dir():
         return f"cd {shlex.quote(str(home))} && snakemake {words}"
     return f"snakemake --snakefile {shlex.quote(str(home / 'Snakefile'))} {words}"
 

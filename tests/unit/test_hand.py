@@ -11,6 +11,7 @@ from roomkin.stages.contracts.hand import (
     PROJECT,
     Correction,
     Corrections,
+    command_for,
     digest_of_image,
     digest_of_picture,
     find_hand_file,
@@ -38,6 +39,11 @@ OURS, THEIRS = "a" * 64, "b" * 64
 ])  # fmt: skip
 def test_what_is_done_to_a_result_stands_beside_results(folder: str, place: str) -> None:
     assert hand_folder(Path(folder)) == Path(place)
+
+
+def test_what_the_workflow_made_is_put_right_by_its_scenes_name() -> None:
+    assert command_for(Path("results/photo/a_1")) == "roomkin correct a_1"
+    assert command_for(Path("my kitchen")) == "roomkin annotator annotate 'my kitchen'"
 
 
 def test_a_path_from_inside_results_leads_to_the_same_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,8 +3,12 @@
 import contextlib
 import importlib
 import os
+import pty
+import select
+import shutil
 import subprocess
 import sys
+import time
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -94,6 +98,26 @@ def become(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return said
 
 
+def test_a_picture_opens_one_page_whatever_it_is_called_by(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The drawing of what was drawn into; else, and where a thing of the scene is named, what was found and made."""
+    opened: list[Path] = []
+    monkeypatch.setattr("roomkin.plugins.annotator.annotate.run", lambda image, **said: opened.append(image))
+    hall, room = Path("results/photo/hall"), Path("results/scenes/room_1/input")
+    for folder in (hall, room, Path("results/photo/room_1-photo")):
+        for name in ("rgb.png", "camera.json", "depth.npz", "masks.png", "annotations.json"):
+            put(folder / name)
+    correct.run(Path("hall"))
+    put(Path("hand/hall/project.json"))
+    put(Path("hall.jpg"))
+    for picture_ in ("hall", "hall.jpg", "other/hall.jpg", str(hall)):
+        correct.run(Path(picture_))
+    correct.run(hall, choose="cabinet_1")
+    put(Path("results/photo/room_1-photo/project.json"))
+    correct.run(Path("room_1.jpg"))
+    drawn = hall / "rgb.png"
+    assert opened == [hall, drawn, Path("hall.jpg"), drawn, drawn, hall, Path("results/photo/room_1-photo/rgb.png")]
+
+
 @pytest.mark.parametrize(
     "name", ["000048", "frame #3.png", "a: b.png", 'it\'s `x` $HOME "q".png', "厨房.png", "{x}.jpg"]
 )
@@ -168,6 +192,31 @@ def test_the_tab_key(capsys: pytest.CaptureFixture[str], typed: str, offered: se
     done = subprocess.run(["bash", "-c", f"COMP_WORDS=({words})\n{script}"], capture_output=True, text=True, check=True)
     assert {*done.stdout.split()} == offered and not done.stderr
     assert "complete -o default -F _roomkin roomkin" in script and os.linesep in script
+
+
+def test_the_tab_key_of_zsh(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    if shutil.which("zsh") is None:
+        pytest.skip("no zsh: its Tab key is not pressed (apt-get install zsh)")
+    completion.run()
+    lines = "autoload -U compinit bashcompinit; compinit -u -D; bashcompinit\n"
+    (tmp_path / ".zshrc").write_text(f"{lines}{capfd.readouterr().out}\nPS1='ready> '\n")
+    process, screen = pty.fork()
+    if not process:
+        os.execvpe("zsh", ["zsh", "-i"], os.environ | {"ZDOTDIR": str(tmp_path), "TERM": "dumb"})
+
+    def read_until(words: str) -> None:
+        shown, last = "", time.monotonic() + 30
+        while words not in shown:
+            assert select.select([screen], [], [], max(0, last - time.monotonic()))[0], shown
+            shown += os.read(screen, 4096).decode(errors="replace")
+
+    read_until("ready> ")
+    os.write(screen, b"roomkin matching ma\t")
+    read_until("roomkin matching match ")
+    os.write(screen, b"--wi\t")
+    read_until("--without ")
+    os.close(screen)
+    os.waitpid(process, 0)
 
 
 @pytest.mark.parametrize("code", [0, 3])

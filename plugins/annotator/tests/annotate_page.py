@@ -1,6 +1,7 @@
 """Draws a room of known truth into the page of `annotate`, as a person would: by clicks near the right pixels."""
 
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -127,17 +128,25 @@ class Hand:
                 self.fill(name, count)
 
 
-def serve(session: Session) -> PageServer:
+def wait_for(true: Callable[[], bool]) -> None:
+    """Wait for a state of files or of the server."""
+    until = time.monotonic() + 20
+    while not true():
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
+def serve(session: Session, other: Callable[[], Any] | None = None) -> PageServer:
     """A server in a thread of its own; `shutdown` ends it."""
-    server = PageServer(session)
+    server = PageServer(session, other=other)
     Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
     return server
 
 
 @contextmanager
-def watched(browser: Any, session: Any, ready: str) -> Iterator[Any]:
+def watched(browser: Any, session: Any, ready: str, other: Callable[[], Any] | None = None) -> Iterator[Any]:
     """The page of a session once `ready` is there; nothing may be complained of."""
-    server = serve(session)
+    server = serve(session, other)
     page = browser.new_page(viewport={"width": 1400, "height": 900})
     page.set_default_timeout(20_000)
     complaints: list[str] = []

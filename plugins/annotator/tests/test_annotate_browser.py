@@ -168,7 +168,7 @@ def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_th
     assert hung.on == "wall_1" and hung.points[0] == pytest.approx(before[0], abs=0.2)
     hand.wall([0.3, -0.6, 0], [0.3, 0.6, 0])
     hand.key("3")
-    far = float(page.locator("#object-facts").text_content().split()[0])
+    far = session.solve(session.open_drawing().model_dump(mode="json"))["boxes"][hung.id]["distance"]
     page.locator("#on").select_option("wall_2")  # 30 cm nearer: its box is shown there
     page.wait_for_function(f"() => parseFloat(document.getElementById('object-facts').textContent) < {far - 0.2}")
     page.locator("#on").select_option("object_1")
@@ -404,7 +404,7 @@ def test_outlines_walls_camera_and_what_is_wrong(opened: Opened) -> None:
     for name, layer in (("To the front", 1), ("To the back", -1)):
         page.get_by_role("button", name=name).click()
         assert _saved(page, session).objects[0].layer == layer
-    hand.key("Escape", "2")
+    hand.key("2")
     page.get_by_role("button", name="Wall behind the chosen object").click()
     hand.key("1")
     page.get_by_label("Field of view across, degrees").fill("70")

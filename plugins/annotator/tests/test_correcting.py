@@ -437,7 +437,7 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, sour
     assert [item.label for item in saved().objects] == ["stool", "floor", "wall"]
     page.keyboard.press("Control+z")
     assert len(saved().objects) == 4
-    page.keyboard.press("b")
+    page.keyboard.press("f")
     drag((330, 150), (380, 200))
     page.wait_for_function("() => document.activeElement.id === 'label'")
     page.keyboard.type("clock")

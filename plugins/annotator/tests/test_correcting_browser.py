@@ -176,7 +176,7 @@ def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, sessi
     page, results = opened, session.folder.parent / "results"
     page.locator("#made").click()
     page.wait_for_function("() => document.querySelector('#view image').getAttribute('href') === 'made.png'")
-    page.keyboard.press("m")
+    page.keyboard.press("s")
     assert page.locator("#view image").get_attribute("href") == "picture.jpg"
     page.locator("#in-doubt button").first.click()
     page.locator("[data-asset=cabinet_5]").click()

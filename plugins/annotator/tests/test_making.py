@@ -3,8 +3,6 @@
 import os
 import shlex
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from urllib.error import HTTPError
@@ -17,19 +15,12 @@ from PIL import Image
 from roomkin.plugins.annotator import after
 from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.plugins.annotator.making import Making
-from roomkin.plugins.annotator.tests.annotate_page import serve, watched
+from roomkin.plugins.annotator.tests.annotate_page import serve, wait_for, watched
 from roomkin.plugins.annotator.tests.corrected_scene import write_run
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
 from roomkin.plugins.annotator.tests.test_correcting import BOXES
 from tests.refusals import refused
 from tests.unit.synthetic_room import write_room
-
-
-def wait_for(true: Callable[[], bool]) -> None:
-    until = time.monotonic() + 20
-    while not true():
-        assert time.monotonic() < until
-        time.sleep(0.02)
 
 
 def shell(text: str) -> str:
@@ -151,42 +142,23 @@ def test_a_scene_is_made_again_without_a_shell(
         assert not page.locator("#make").is_disabled()
 
 
-@pytest.mark.parametrize(
-    ("terminal", "browser_here", "given", "opened"),
-    [
-        (True, True, {}, [("kitchen.png", {"out": Path("results/photo/kitchen")})]),
-        (
-            True,
-            True,
-            {"depth": Path("d.png"), "camera": "K.json"},
-            [("results/scenes/kitchen/frame", {"scene": "kitchen"})],
-        ),
-        (False, True, {}, []),
-        (True, False, {}, []),
-    ],
-)
+@pytest.mark.parametrize(("terminal", "browser_here"), [(True, True), (False, True), (True, False)])
 def test_a_picture_ends_with_its_page_where_somebody_sits(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
     terminal: bool,
     browser_here: bool,
-    given: dict[str, Any],
-    opened: list[tuple[str, dict[str, Any]]],
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    Image.new("RGB", (64, 48)).save("kitchen.png")
-    Image.new("I;16", (64, 48), 2000).save("d.png")
-    Path("K.json").write_text('{"fx": 50, "fy": 50, "cx": 32, "cy": 24}')
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
         monkeypatch.delenv(name, raising=False)
     if browser_here:
         monkeypatch.setenv("DISPLAY", ":0")
-    asked: list[tuple[str, dict[str, Any]]] = []
-    monkeypatch.setattr(after, "annotate", lambda image, **options: asked.append((str(image), options)))
+    asked: list[Path] = []
+    monkeypatch.setattr(after, "correct", asked.append)  # what `roomkin correct` opens
     monkeypatch.setattr("sys.stdout.isatty", lambda: terminal, raising=False)
-    after.run(Path("kitchen.png"), **given)
-    assert asked == opened
-    assert ("roomkin correct kitchen" in capsys.readouterr().out) == (terminal and not browser_here)
-    after.run(tmp_path, **given)  # a recording's folder
-    assert asked == opened
+    after.run(Path("kitchen.png"))
+    assert asked == [Path("kitchen.png")] * (terminal and browser_here)
+    assert ("roomkin correct kitchen.png" in capsys.readouterr().out) == (terminal and not browser_here)
+    after.run(tmp_path)  # a recording's folder
+    assert tmp_path not in asked

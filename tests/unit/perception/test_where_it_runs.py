@@ -14,5 +14,7 @@ def test_a_command_fits_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert write.to_run("-- pages") == f"snakemake --snakefile '{home}/Snakefile' -- pages"  # as pip installs it
     (home / "pyproject.toml").touch()
     assert write.to_run("-- pages") == f"cd '{home}' && snakemake -- pages"
+    Path("results").mkdir()  # what is made again is here, as `roomkin picture` left it
+    assert write.to_run("-- pages") == f"snakemake --snakefile '{home}/Snakefile' -- pages"
     Path("Snakefile").touch()
     assert write.to_run("-- pages") == "snakemake -- pages"
