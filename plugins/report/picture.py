@@ -10,7 +10,7 @@ from roomkin.plugins.report.report import link_to, render
 from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.files import read_json, read_options, write_text
-from roomkin.stages.contracts.hand import PROJECT, hand_folder
+from roomkin.stages.contracts.hand import is_drawn
 from roomkin.stages.contracts.scenes import Camera
 from roomkin.stages.contracts.things import read_things
 
@@ -46,25 +46,27 @@ def run(
     taken_by = read_json(Camera, camera)
     things, first = read_things(image.parent), room.reconstructions[0] if room.reconstructions else None
     said = read_said(image.parent)
-    drawn = (image.parent / PROJECT).is_file() or (hand_folder(image.parent) / PROJECT).is_file()
+    doubts = [
+        (single.list_doubts(room, one, taken_by), single.list_further_doubts(one), one.matches if one else [])
+        for one in (*room.reconstructions,) or (None,)
+    ]
     text = render(
         "scene.html.jinja",
         ("page.js", "viewer.js", "back.js"),
         room=room,
         things=things,
         left_out=list_left_out(things, image.parent, said) if path else [],
-        take=draw_again(image) if drawn else first.correct if first else "",
+        take=draw_again(image) if is_drawn(image.parent) else first.correct if first else "",
         lost=list(dict.fromkeys([*said.lines, *(objects.lost if objects else [])])),
         camera=single.measure_camera(objects) if objects else None,
         title=taken_by.picture or room.title,
         note=taken_by.note,
         depth=single.draw_depth(path, objects, album) if path and objects else None,
-        doubts=[
-            (single.list_doubts(room, one, taken_by), single.list_further_doubts(one), one.matches if one else [])
-            for one in (*room.reconstructions,) or (None,)
-        ],
+        doubts=doubts,
+        tell_doubts=single.tell_doubts,
         links=single.links(declared, room.name, out),
         first=first,
         viewer=link_to(viewer, out),
     )
     write_text(out, text)
+    print(f"{out}: {'; '.join(single.tell_doubts(listed) for listed, *_ in doubts)}")

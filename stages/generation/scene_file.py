@@ -13,7 +13,7 @@ from roomkin.stages.articulated.resizing import resize_asset
 from roomkin.stages.contracts import GeneratedScene, InputError, Objects
 from roomkin.stages.contracts.category import Category, describe_unusual, find_category
 from roomkin.stages.contracts.doubt import Doubt, DoubtKind, sort_by_chance
-from roomkin.stages.contracts.errors import ObjectError, count
+from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.generated import PlacedObject, measure_place_sureness, measure_sureness
 from roomkin.stages.contracts.objects import Mounting, SceneObject, Wall
 from roomkin.stages.generation.inputs import Inputs
@@ -117,8 +117,7 @@ def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> list[str]:
     """Lines for the log: the scene's, and one for each thing that does not stand as it should."""
     name, check = f"{scene.scene} rank {scene.rank}", scene.plausibility
     placed = [item for item in scene.objects if item.status == "ok"]
-    doubts = sum(len(item.doubts) for item in placed)
-    parts = [f"{name}: {len(placed)} placed", f"{count(doubts, 'doubt')} about sizes and places (its page has all)"]
+    parts = [f"{name}: {len(placed)} placed"]
     if len(placed) < len(scene.objects):
         parts.append(f"{len(scene.objects) - len(placed)} failed")
     if check is None:

@@ -1,6 +1,5 @@
 """Command `draw`: one photograph without depth -> a drawing and an input folder, by no hand (paper 2.1)."""
 
-import shlex
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from roomkin.stages.config.perception import DrawOptions
 from roomkin.stages.contracts import InputError, read_json, read_options, write_json
 from roomkin.stages.contracts.errors import count
-from roomkin.stages.contracts.hand import PROJECT, find_hand_file, is_by_hand
+from roomkin.stages.contracts.hand import PROJECT, command_for, find_hand_file, is_by_hand
 from roomkin.stages.contracts.system import lock_folder
 from roomkin.stages.perception.classification.by_size import name_others, name_standing
 from roomkin.stages.perception.classification.names import find_reason, find_surest, place_sure
@@ -88,8 +87,7 @@ def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "
             print(f"{path}: drawn by a person: kept; delete it to begin anew")
     written = write_folder(out, photo.rgb, project, solved, note=note)
     print("".join(f"{note}\n" for note in written.notes if not note.endswith(UNSURE)), end="")
-    line = shlex.join(["roomkin", "annotator", "annotate", str(image), "--out", str(out)])
-    print(f"{out}: put it right in the browser: {line}")
+    print(f"{out}: put it right in the browser: {command_for(out)}")
 
 
 def read_drawing(path: Path, photo: Photo) -> Project:

@@ -7,6 +7,7 @@ from typing import Literal
 
 from roomkin.stages.config.recordings import name_picture
 from roomkin.stages.contracts import Annotations, InputError
+from roomkin.stages.contracts.hand import hand_folder
 from roomkin.stages.perception.read.camera_files import KNOWS
 from roomkin.stages.perception.read.frame import Frame
 from roomkin.stages.perception.read.views import ViewFiles, choose_camera, find_view, read_frame
@@ -66,6 +67,9 @@ def print_summary(out: Path, frame: Frame, written: Annotations | None) -> None:
     height, width = frame.rgb.shape[:2]
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
+    if written is None and hand_folder(out) != out:
+        print(f"{out}: no masks: things are found next")
+        return
     if written is None:
         quoted = shlex.quote(str(out))
         print(f"{out}: no masks. Find things: roomkin perception see --picture {quoted} --out FOLDER")

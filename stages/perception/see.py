@@ -1,6 +1,5 @@
 """Command `see`: a picture with depth -> its things, outlined and named, as an input folder (paper A.2, first half)."""
 
-import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from roomkin.stages.config.perception import OutlineSection, SeeOptions, SeeSect
 from roomkin.stages.config.weights import CLIP, list_lacking
 from roomkin.stages.contracts import Camera, InputError, read_json, read_options, write_atomically, write_json
 from roomkin.stages.contracts.errors import count
-from roomkin.stages.contracts.hand import digest_of_picture
+from roomkin.stages.contracts.hand import command_for, digest_of_picture
 from roomkin.stages.contracts.images import check_turned, read_depth, read_rgb
 from roomkin.stages.contracts.things import THINGS, Ground, Thing, Things
 from roomkin.stages.contracts.types import FLOOR, WALL
@@ -75,7 +74,7 @@ def write_seen(out: Path, frame: Frame, seen: Seen) -> None:
         shown = draw_numbers(frame.rgb, [masks.values == item.mask for item in written.objects])
         cv2.imwrite(str(path), shown[..., ::-1])
     print(describe(things))
-    print(f"{out}: put names right in the browser: roomkin annotator annotate {shlex.quote(str(out))}")
+    print(f"{out}: put names right in the browser: {command_for(out)}")
 
 
 def see(frame: Frame, options: SeeSection, model: Mapping[str, Any] | None = None, device: str = "cpu") -> Seen:

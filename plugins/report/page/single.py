@@ -16,6 +16,7 @@ from roomkin.plugins.report.doubts import measure_side
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.page.rooms import RebuiltScene, Reconstruction, RoomPart
 from roomkin.stages.contracts.doubt import MEND, Doubt, DoubtKind
+from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.extracted import read_metres
 from roomkin.stages.contracts.objects import Objects
 from roomkin.stages.contracts.scenes import Camera
@@ -104,6 +105,12 @@ def list_doubts(room: RoomPart, rebuilt: Reconstruction | None, camera: Camera) 
     ]
     listed = [*failed, *_list_by_harm(found, rebuilt)]
     return sorted(listed, key=lambda one: one.cause != "Camera")  # what is wrong with the camera makes all wrong
+
+
+def tell_doubts(listed: list[Listed]) -> str:
+    """How many doubts there are, about how many things."""
+    things = len({one.about for one in listed})
+    return f"{count(len(listed), 'doubt')} about {count(things, 'thing')}" if listed else "no doubts"
 
 
 def doubt_physics(scenes: list[RebuiltScene]) -> list[tuple[str, Doubt]]:

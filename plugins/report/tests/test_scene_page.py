@@ -64,6 +64,12 @@ def test_every_doubt_has_the_command_that_opens_the_page_to_put_it_right(made: P
             assert command == f"roomkin annotator {opens} {one}"
 
 
+def test_the_log_counts_the_doubts_that_the_page_counts(made: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page(made, "room_1", made / "again.html")
+    counted = re.search(r'<p class="root">(\d+ doubts? about \d+ things?)', (made / "again.html").read_text())
+    assert counted and capsys.readouterr().out == f"{made / 'again.html'}: {counted[1]}\n"
+
+
 def test_it_is_called_as_the_picture_that_went_in(made: Path, tmp_path: Path) -> None:
     camera = Camera(width=240, height=160, intrinsics=CAMERA, picture="Küche")
     write_json(tmp_path / "camera.json", camera)

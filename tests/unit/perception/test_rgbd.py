@@ -115,6 +115,9 @@ def test_without_masks_the_page_is_named(files: SimpleNamespace, capsys: pytest.
     assert sorted(path.name for path in out.iterdir()) == ["camera.json", "depth.npz", "rgb.png"]
     told = capsys.readouterr().out
     assert f"annotate '{out}'; or" in told and f"--picture '{out}' --out" in told
+    made = files.folder / "results/scenes/mine/view"
+    from_rgbd.run(out=made, rgb=files.color, depth=files.depth, camera=(str(files.K),))
+    assert capsys.readouterr().out.splitlines()[1:] == [f"{made}: no masks: things are found next"]
 
 
 def boxes_of(folder: Path) -> dict[str, Any]:
