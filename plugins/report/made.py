@@ -1,4 +1,4 @@
-"""What a run ends with: the pages that it made, or why jobs failed."""
+"""What a run ends with: the pages or tables that it made, or why jobs failed."""
 
 import re
 from collections.abc import Iterable
@@ -6,13 +6,18 @@ from pathlib import Path
 
 SHOWN = 3  # pages that are named
 REPORT = Path("results/report")
+TABLES = "results/tables/*.html"
 FAILED_LOG = re.compile(r"^Logfile [^\n]+:\n={9,}\n(.*?)\n={9,}$", re.DOTALL | re.MULTILINE)  # as Snakemake shows one
 
 
 def name_pages(folder: Path, since: float) -> str:
-    """The report, or else the pages of pictures, made in a run's folder since then (seconds), in a line; "": none."""
-    report, *pages = [folder / REPORT / "index.html", *sorted((folder / REPORT / "scenes").glob("*.html"))]
-    made = [page for page in ([report] if _is_new(report, since) else pages) if _is_new(page, since)]
+    """The report, else pages of pictures, else tables, made in a run's folder since then (seconds), in a line.
+
+    "": none.
+    """
+    kinds = (folder / REPORT).glob("index.html"), (folder / REPORT / "scenes").glob("*.html"), folder.glob(TABLES)
+    new = (sorted(page for page in pages if _is_new(page, since)) for pages in kinds)
+    made = next(filter(None, new), [])
     more = f" and {len(made) - SHOWN} more beside" if len(made) > SHOWN else ""
     return f"Open {', '.join(map(str, made[:SHOWN]))}{more}" if made else ""
 

@@ -60,6 +60,7 @@ def run(
     lacking = [name for name in names if name not in read.rooms and name not in read.unread]
     if lacking:
         print(f"not in the submission, all of them count as missed: {', '.join(lacking)}")
+    print(f"Open {out / ('index.html' if pictures else 'row.md')}")
 
 
 def score_one(read: Submission, folders: list[Path], shapes: dict[str, Cells]) -> tuple[pd.DataFrame, pd.DataFrame]:

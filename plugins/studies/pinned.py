@@ -35,6 +35,7 @@ def run(*, assets: Path, task: str, library: Path, out: Path) -> None:
             raise InputError(library, f"{what} in {assets}.", MEND, code="E-ASSETS-CHANGED")
     write = write_pinned if out.suffix == ".csv" else write_json
     write(out, plan.model_copy(update={"task": task}))
+    print(out)
 
 
 def difference(item: TaskAsset, asset: Asset | None, kind: Task) -> str:

@@ -297,3 +297,4 @@ def run(
     for name, frame in found.frames.items():
         write_csv(out / f"{name}.csv", frame.assign(commit=commit) if commit else frame)
     write_text(out / f"table{table}.md", "\n".join(text))
+    print(f"Open {out / f'table{table}.md'}")

@@ -22,6 +22,18 @@ def test_new_pages_are_named_and_the_report_stands_for_all(tmp_path: Path) -> No
     assert str(report) not in name_pages(tmp_path, 10)
 
 
+def test_of_a_run_without_a_page_the_new_tables_are_named(tmp_path: Path) -> None:
+    tables, scenes = tmp_path / "results/tables", tmp_path / "results/report/scenes"
+    tables.mkdir(parents=True)
+    for name in ("table2.html", "table2.csv", "trainings.html"):
+        (tables / name).write_text("")
+    os.utime(tables / "trainings.html", (5, 5))
+    assert name_pages(tmp_path, 10) == f"Open {tables / 'table2.html'}"
+    scenes.mkdir(parents=True)
+    (scenes / "a.html").write_text("")
+    assert name_pages(tmp_path, 10) == f"Open {scenes / 'a.html'}"
+
+
 def test_the_causes_of_a_failed_run_are_the_last_errors_of_its_jobs_logs(tmp_path: Path) -> None:
     line = "=" * 47
     shown = [

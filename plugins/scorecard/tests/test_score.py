@@ -30,6 +30,7 @@ def test_a_submission_becomes_rows_a_line_and_a_page(tmp_path: Path, capsys: pyt
     assert rows["sensible"].tolist() == [True, True, False] and (tmp_path / "out/row.md").read_text() in said
     page = (tmp_path / "out/index.html").read_text()
     assert "toy_room_1" in page and "cupboard is a sofa" in page and str(tmp_path) not in page
+    assert said.splitlines()[-1] == f"Open {tmp_path / 'out/index.html'}"
     first = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     score.run(mine, rooms="toy", data=data, out=tmp_path / "again")
     assert first == {path.name: path.read_bytes() for path in (tmp_path / "again").iterdir()}

@@ -66,7 +66,9 @@ def test_a_file_of_fewer_draws_than_seeds_need_is_refused(study: dict[str, Path]
         read(["random_10_randomised"], draws=1)
 
 
-def test_a_table_says_what_the_json_says(study: dict[str, Path], tmp_path: Path) -> None:
+def test_a_table_says_what_the_json_says(
+    study: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     plan, table = read_json(TaskAssets, study["assets"]), tmp_path / "door.csv"
     cousins = [an_asset(f"near{number}_1", number / 3, role=f"cousin_{number}") for number in (1, 2)]
     drawn = [an_asset("far_1", 1e-5, role="cover"), an_asset("wide_1", role="cover")]
@@ -74,6 +76,7 @@ def test_a_table_says_what_the_json_says(study: dict[str, Path], tmp_path: Path)
     write_pinned(table, plan.model_copy(update=more))
     assert read_pinned(table) == plan.model_copy(update=more)
     pinned(**study, task="door", out=tmp_path / "committed.csv")
+    assert capsys.readouterr().out == f"{tmp_path / 'committed.csv'}\n"
     assert read_pinned(tmp_path / "committed.csv") == plan
     pinned(**study | {"assets": tmp_path / "committed.csv"}, task="door", out=tmp_path / "assets.json")
     assert (tmp_path / "assets.json").read_bytes() == study["assets"].read_bytes()

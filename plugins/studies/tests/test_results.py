@@ -70,8 +70,11 @@ def write(study: Path, out: Path, **flags: object) -> str:
     return (out / "table3.md").read_text()
 
 
-def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp_path: Path) -> None:
+def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(
+    study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     text = write(study, tmp_path / "out", machine="2 cores, a test", commit="abc1234")
+    assert capsys.readouterr().out.splitlines()[-1] == f"Open {tmp_path / 'out/table3.md'}"
     table = pd.read_csv(tmp_path / "out/table3.csv")
     assert set(table["commit"]) == {"abc1234"}
     ran = table[table["status"] == "run"]
