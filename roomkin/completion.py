@@ -7,7 +7,7 @@ SCRIPT = """\
 # ~/.bashrc: eval "$(roomkin completion)"
 # ~/.zshrc, the same after: autoload -U compinit bashcompinit; compinit; bashcompinit
 _roomkin() {{
-    local words="" before=" ${{COMP_WORDS[*]:1:COMP_CWORD-1}} "
+    local words="" before=" ${{COMP_WORDS[*]:1:$((COMP_CWORD - 1))}} "
     case "$before" in
 {cases}
     esac
