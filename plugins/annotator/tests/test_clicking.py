@@ -346,6 +346,16 @@ def test_a_photograph_is_drawn_by_clicks(drawn: tuple[Any, Session]) -> None:
     page.wait_for_function("() => document.querySelectorAll('#objects button').length === 1")
 
 
+def test_a_click_on_what_is_no_part_of_it_renames_nothing(drawn: tuple[Any, Session]) -> None:
+    page, session = drawn
+    _click(page, 140, 160)
+    assert _project(session).objects[0].label == "stool"
+    _click(page, 60, 160)
+    (item,) = _project(session).objects
+    assert _shown(item)[160, 60] and item.label == "stool"
+    assert page.locator("#proposals button").first.text_content() == "oven", "what it may be called now is offered"
+
+
 def test_a_name_ends_a_thing_and_moves_its_box_until_a_person_has_moved_that(
     drawn: tuple[Any, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:

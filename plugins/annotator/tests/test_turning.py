@@ -52,9 +52,10 @@ def test_each_page_says_what_it_is_for_and_leads_to_the_other(browser: Any, draw
     with watched(browser, drawn, "#grid", _scene_of(drawn)) as page:
         assert "For a photograph without depth" in page.locator("#about").inner_text()
         page.locator("#objects button", has_text="mug").click()
-        page.get_by_label("What it is").fill("vase")
-        page.keyboard.press("Enter")
-        page.locator("#other").click()
+        page.evaluate(
+            "() => { const label = document.getElementById('label'); label.value = 'vase';"
+            " label.dispatchEvent(new Event('change')); document.getElementById('other').click(); }"
+        )  # before what is said can have been saved
         page.wait_for_selector("#view .region")
         assert "For what was found and made" in page.locator("#about").inner_text()
         assert read_json(Project, drawn.folder / PROJECT).objects[1].label == "vase", "what was typed is kept"
