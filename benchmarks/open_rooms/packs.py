@@ -17,7 +17,7 @@ from trimesh.visual.material import SimpleMaterial
 
 from benchmarks.name_training.solids import JUNK
 from benchmarks.open_rooms.blend import Piece, read_pieces
-from roomkin.plugins.scorecard.naming import Kind, stated_kinds
+from roomkin.plugins.scorecard.naming import ThingNames, stated_kinds
 from roomkin.stages.contracts.categories import known_categories
 
 HERE = Path(__file__).parent
@@ -365,10 +365,10 @@ def catalogue(folder: Path, pack: str) -> dict[str, dict[str, str]]:
 
 
 @cache
-def kinds() -> dict[str, Kind]:
+def kinds() -> dict[str, ThingNames]:
     """The table of kinds.yaml; categories of ours that it lacks, and things that are none, of rooms to learn from."""
-    own = {name: Kind([name.replace("_", " ")], [name], "none") for name in known_categories()}
-    return {name: Kind([name.replace("_", " ")], [], "none") for name in JUNK} | own | stated_kinds()
+    own = {name: ThingNames([name.replace("_", " ")], [name], "none") for name in known_categories()}
+    return {name: ThingNames([name.replace("_", " ")], [], "none") for name in JUNK} | own | stated_kinds()
 
 
 def models(folder: Path, half: str) -> list[PackModel]:

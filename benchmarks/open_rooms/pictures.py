@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchmarks.open_rooms import crowd, packs, rooms, sensor, views
 from benchmarks.open_rooms.render import photograph
-from roomkin.plugins.scorecard.truth import Picture, TrueThing, as_plain, read_truth
+from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing, as_plain, read_truth
 from roomkin.stages.contracts import write_atomically
 
 MIN_PIXELS, MIN_SEEN = 250, 0.15  # of a thing that a person would outline and name
@@ -21,7 +21,7 @@ MASKS = (*BY_HAND, "unaided", "corrected", ALONE)  # corrected: the unaided ones
 NO_WALLS, NO_FLOOR, ONE_WALL = 0.25, 0.12, 0.35  # how often people name no walls, no floor, all walls as one
 
 
-def read(folder: Path) -> Picture:
+def read(folder: Path) -> PictureTruth:
     """The truth of the picture in a folder."""
     return read_truth(folder / "room.json")
 
@@ -81,7 +81,7 @@ def _make(root: Path, folder: Path, half: str, models: list[packs.PackModel], sa
     }
     (folder / "intrinsics.json").write_text(json.dumps(camera, indent=1))
     joined = _write_masks(folder, owner, things, rng)
-    truth = Picture(
+    truth = PictureTruth(
         name,
         half,
         kind,

@@ -12,7 +12,7 @@ import numpy as np
 import trimesh
 
 from benchmarks.open_rooms import packs, pictures, sensor
-from roomkin.plugins.scorecard.truth import Picture, as_plain, with_opening
+from roomkin.plugins.scorecard.truth import PictureTruth, as_plain, with_opening
 from roomkin.stages.contracts import InputError, write_atomically, write_json, write_text
 from roomkin.stages.evaluation.scoring import DENSE, fill_cells
 
@@ -46,7 +46,7 @@ def publish(root: Path, halves: list[str]) -> None:
     write_json(data / "manifest.json", list_digests(data))
 
 
-def publish_room(folder: Path, out: Path, models: dict[str, packs.PackModel]) -> Picture:
+def publish_room(folder: Path, out: Path, models: dict[str, packs.PackModel]) -> PictureTruth:
     """Copy the files of a picture, and write its truth with how things open."""
     for ours, theirs in FILES.items():
         if not (folder / ours).is_file():
@@ -80,7 +80,7 @@ def write_shapes(path: Path, models: list[packs.PackModel]) -> None:
         np.savez_compressed(file, **cells)
 
 
-def describe_set(half: str, truths: list[Picture]) -> str:
+def describe_set(half: str, truths: list[PictureTruth]) -> str:
     """README.md of a set: its rooms, and where its models are from."""
     from_packs = sorted({thing.pack for truth in truths for thing in truth.things})
     lines = [f"# Rooms of the set {half}", "", "| room | sensor of docs/results/open.md | things | asked for |",

@@ -24,7 +24,7 @@ from roomkin.plugins.scorecard.measures import (
     measure_turn,
     size_errors,
 )
-from roomkin.plugins.scorecard.truth import Picture, TrueThing
+from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing
 from roomkin.stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from roomkin.stages.contracts.categories import find_usual_size
 from roomkin.stages.contracts.doubt import Doubt
@@ -162,7 +162,7 @@ def score_scene(root: Path, folder: Path, masks: str, judge: str, folders: Asset
             yield make_row(thing, scene.rank, item.status, said)
 
 
-def find_scale(truth: Picture, scene: GeneratedScene, ids: dict[int, str]) -> float:
+def find_scale(truth: PictureTruth, scene: GeneratedScene, ids: dict[int, str]) -> float:
     """True over found distances from the camera, the median of what is placed: a picture alone tells no scale."""
     placed = {item.id: item for item in scene.objects if item.status == "ok"}
     world, eye = world_from_floor(truth.pose, scene.floor_from_camera), truth.pose[:3, 3]
@@ -176,7 +176,7 @@ def find_scale(truth: Picture, scene: GeneratedScene, ids: dict[int, str]) -> fl
 
 
 def _measure_thing(
-    truth: Picture,
+    truth: PictureTruth,
     thing: TrueThing,
     item: PlacedObject,
     scene: GeneratedScene,

@@ -48,7 +48,7 @@ class Asked(Contract):
 
 
 @dataclass(frozen=True)
-class Seen:
+class ClickedPicture:
     """A picture as MobileSAM sees it, and boxes of COCO's network with their outlines (H, W)."""
 
     picture: Embedded
@@ -56,14 +56,14 @@ class Seen:
     outlines: list[Mask]
 
 
-def look(rgb: NDArray[np.uint8]) -> Seen:
+def look(rgb: NDArray[np.uint8]) -> ClickedPicture:
     """Look at a picture (H, W, 3): about four seconds of one core."""
     picture, boxes = MobileSam().embed(rgb), find_boxes(rgb)
     if not boxes:
-        return Seen(picture, [], [])
+        return ClickedPicture(picture, [], [])
     found = picture.outline_boxes([box.box for box in boxes])
     best = found.scores.argmax(axis=1)
-    return Seen(picture, boxes, [picture.upsample(found.logits[k, one]) for k, one in enumerate(best)])
+    return ClickedPicture(picture, boxes, [picture.upsample(found.logits[k, one]) for k, one in enumerate(best)])
 
 
 class Clicker:
@@ -71,10 +71,10 @@ class Clicker:
 
     def __init__(self, rgb: NDArray[np.uint8], room: RoomView | None = None) -> None:
         self.rgb, self.room = rgb, room
-        self._looking: Future[Seen] = ThreadPoolExecutor(1).submit(look, rgb)
+        self._looking: Future[ClickedPicture] = ThreadPoolExecutor(1).submit(look, rgb)
 
     @property
-    def seen(self) -> Seen:
+    def seen(self) -> ClickedPicture:
         """The picture once it is looked at."""
         return self._looking.result()
 

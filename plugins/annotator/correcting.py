@@ -16,7 +16,15 @@ from roomkin.plugins.annotator.kept import Kept
 from roomkin.plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
 from roomkin.plugins.annotator.said import Said, find_changes
 from roomkin.plugins.annotator.session import Answer
-from roomkin.plugins.annotator.shown import Drawing, Thing, is_bare, name_drawn, read_bare, view_room, write_masks
+from roomkin.plugins.annotator.shown import (
+    ShownPicture,
+    ShownThing,
+    is_bare,
+    name_drawn,
+    read_bare,
+    view_room,
+    write_masks,
+)
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.hand import PROJECT, Correction, Corrections, hand_folder
@@ -93,7 +101,7 @@ class Correcting(Clicked):
         """The room that depth shows."""
         return view_room(self.given.rgb, self.given.depth, self.given.camera)
 
-    def open_drawing(self) -> Drawing:
+    def open_drawing(self) -> ShownPicture:
         """What was found, with the corrections that were saved.
 
         Raises:
@@ -105,12 +113,14 @@ class Correcting(Clicked):
         ids = dict(zip(self.found, object_ids(item.label or "" for item in self.found.values()), strict=True))
         found = set(np.unique(self.given.masks).tolist())
         shown = {mask: item for mask, item in things.items() if mask in found or item.is_drawn}
-        return Drawing(
-            objects=[Thing(id=ids.get(mask, name_drawn(mask)), **item.model_dump()) for mask, item in shown.items()],
+        return ShownPicture(
+            objects=[
+                ShownThing(id=ids.get(mask, name_drawn(mask)), **item.model_dump()) for mask, item in shown.items()
+            ],
             unmatched=unmatched,
         )
 
-    def corrections(self, drawing: Drawing) -> Corrections:
+    def corrections(self, drawing: ShownPicture) -> Corrections:
         """The differences between a drawing and what was found."""
         things = {item.mask: item for item in drawing.objects}
         shown = set(np.unique(self.given.masks).tolist())
@@ -155,7 +165,7 @@ class Correcting(Clicked):
             "clicks": self.clicker is not None,
         }
 
-    def _cure_by(self, drawing: Drawing) -> Callable[[Doubt, int], list[Cure]]:
+    def _cure_by(self, drawing: ShownPicture) -> Callable[[Doubt, int], list[Cure]]:
         """What one click does against a doubt about the thing of a mask."""
         painted = self._paint_drawing(drawing).masks
         masks = np.where(painted > 0, painted, self.given.masks)  # with what was left out
@@ -210,11 +220,11 @@ class Correcting(Clicked):
             tint_picture(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM])
         )
 
-    def _paint_drawing(self, drawing: Drawing) -> CorrectedMasks:
+    def _paint_drawing(self, drawing: ShownPicture) -> CorrectedMasks:
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
 
-    def _drawing(self, body: Any) -> Drawing:
-        return Drawing.model_validate({key: body[key] for key in Drawing.model_fields})
+    def _drawing(self, body: Any) -> ShownPicture:
+        return ShownPicture.model_validate({key: body[key] for key in ShownPicture.model_fields})
 
     def solve(self, body: Any) -> Answer:
         """Bounds and outlines of every region, and the sides of what stands there, as it will after the next run."""
@@ -257,7 +267,7 @@ class Correcting(Clicked):
         self._keep(self._drawing(body))
         return {}
 
-    def _keep(self, drawing: Drawing) -> None:
+    def _keep(self, drawing: ShownPicture) -> None:
         told = self.corrections(drawing)
         if told.is_any or self.kept.path.is_file():  # one in which all is taken back tells by its age what changed
             self.kept.write(told.as_document())

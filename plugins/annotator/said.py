@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.plugins.annotator.shown import Thing, UnmatchedLine
+from roomkin.plugins.annotator.shown import ShownThing, UnmatchedLine
 from roomkin.stages.contracts.hand import (
     CORRECTIONS,
     MEASURED,
@@ -61,7 +61,7 @@ class Said:
         )
 
 
-def find_changes(before: Correction, now: Thing) -> dict[str, Any]:
+def find_changes(before: Correction, now: ShownThing) -> dict[str, Any]:
     """What a person says otherwise of a thing than was found."""
     given = now.model_dump(exclude={"id", "mask", "gone"}, exclude_defaults=True)
     changes = {name: value for name, value in given.items() if getattr(now, name) != getattr(before, name)}

@@ -19,7 +19,7 @@ from roomkin.stages.perception.segmentation.proposal import RoomView
 from roomkin.stages.perception.write import FRAME_OPTIONS, write_config
 
 
-class Thing(Correction):
+class ShownThing(Correction):
     """An object, the floor or a wall as the page shows it, with every value and not only the corrected ones."""
 
     id: Id
@@ -32,10 +32,10 @@ class UnmatchedLine(Contract):
     text: str
 
 
-class Drawing(Contract):
+class ShownPicture(Contract):
     """All that is in a picture, as a person sees it."""
 
-    objects: list[Thing] = Field([], max_length=1000)
+    objects: list[ShownThing] = Field([], max_length=1000)
     unmatched: list[UnmatchedLine] = Field([], max_length=1000)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.plugins.scorecard.measures import knows_hinges
-from roomkin.plugins.scorecard.truth import Picture, TrueThing, list_rooms, read_truth
+from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing, list_rooms, read_truth
 from roomkin.stages.contracts import write_json
 from roomkin.stages.contracts.categories import sizes_of
 from roomkin.stages.contracts.errors import InputError
@@ -60,7 +60,7 @@ def run(*, rooms: str, data: Path = Path("rooms"), out: Path = Path("baselines")
     print(f"{out}: {', '.join(f'{name}.json' for name in ABOUT)}")
 
 
-def describe_room(truth: Picture, things: Iterable[dict[str, Any]]) -> dict[str, Any]:
+def describe_room(truth: PictureTruth, things: Iterable[dict[str, Any]]) -> dict[str, Any]:
     """A room of a submission, in the truth's own frame."""
     return {"frame": "floor", "floor_from_camera": truth.pose.round(6).tolist(), "things": list(things)}
 
@@ -75,7 +75,7 @@ def describe_thing(thing: TrueThing, center: NDArray[np.float64], size: Sequence
     }
 
 
-def move_things(truth: Picture, rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+def move_things(truth: PictureTruth, rng: np.random.Generator) -> Iterator[dict[str, Any]]:
     """The true things, each moved level by `MOVED` into a direction of its own."""
     for thing in truth.list_asked(drawn=False):
         step = yaw_matrix(rng.uniform(-np.pi, np.pi)) @ [MOVED - 1e-4, 0, 0]
@@ -83,7 +83,7 @@ def move_things(truth: Picture, rng: np.random.Generator) -> Iterator[dict[str, 
         yield said | {"number": thing.number, "opens": list(thing.opens) if knows_hinges(thing.opens) else []}
 
 
-def guess_boxes(folder: Path, truth: Picture) -> Iterator[dict[str, Any]]:
+def guess_boxes(folder: Path, truth: PictureTruth) -> Iterator[dict[str, Any]]:
     """A box of the median model of its name for every outline: its near side at the outline's median depth, its front
     towards the camera."""
     depth, masks = read_depth(folder / f"depth_{truth.device}.png"), read_depth(folder / "masks_exact.png")
@@ -104,7 +104,7 @@ def guess_boxes(folder: Path, truth: Picture) -> Iterator[dict[str, Any]]:
         yield describe_thing(thing, center, size.tolist(), yaw) | {"number": thing.number}
 
 
-def copy_other(truth: Picture, truths: Sequence[Picture]) -> Iterator[dict[str, Any]]:
+def copy_other(truth: PictureTruth, truths: Sequence[PictureTruth]) -> Iterator[dict[str, Any]]:
     """The things of the next room of the same kind, or of the next of all, as its camera sees them."""
     others = [one for one in truths if one.kind == truth.kind] if truth.kind else []
     others = others if len(others) > 1 else list(truths)
@@ -117,7 +117,7 @@ def copy_other(truth: Picture, truths: Sequence[Picture]) -> Iterator[dict[str, 
         yield describe_thing(thing, transform_points(level, thing.position), thing.size, thing.yaw + turn)
 
 
-def level_camera(truth: Picture) -> NDArray[np.float64]:
+def level_camera(truth: PictureTruth) -> NDArray[np.float64]:
     """Transform (4, 4) from below the camera, x where it looks, to the world: z up, the floor at 0."""
     ahead = truth.pose[:3, 2]
     pose = np.eye(4)

@@ -9,7 +9,7 @@ import yaml
 
 
 @dataclass(frozen=True)
-class Kind:
+class ThingNames:
     """What people call such a thing, the categories of our library that are sensible cousins of it, its symmetry."""
 
     labels: list[str]
@@ -18,10 +18,10 @@ class Kind:
 
 
 @cache
-def stated_kinds() -> dict[str, Kind]:
+def stated_kinds() -> dict[str, ThingNames]:
     """The table of kinds.yaml."""
     rows = yaml.safe_load(Path(__file__).with_name("kinds.yaml").read_text(encoding="utf-8"))
-    return {name: Kind(**fields) for name, fields in rows.items()}
+    return {name: ThingNames(**fields) for name, fields in rows.items()}
 
 
 def plain_name(name: str) -> str:

@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw
 
 from roomkin.plugins.scorecard.placing import place_room
 from roomkin.plugins.scorecard.submission import Submission
-from roomkin.plugins.scorecard.truth import Picture, read_truth
+from roomkin.plugins.scorecard.truth import PictureTruth, read_truth
 from roomkin.stages.contracts.files import write_text
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.geometry.boxes import FACES, UprightBox, corners
@@ -85,7 +85,7 @@ def draw_room(folder: Path, read: Submission) -> bytes:
 
 
 def _draw_box(
-    draw: ImageDraw.ImageDraw, box: UprightBox, truth: Picture, size: tuple[int, int], color: tuple[int, int, int]
+    draw: ImageDraw.ImageDraw, box: UprightBox, truth: PictureTruth, size: tuple[int, int], color: tuple[int, int, int]
 ) -> None:
     """The edges of a box, as the camera sees them; what is behind it is left out."""
     points = transform_points(invert_transform(truth.pose), corners(box))
@@ -106,7 +106,9 @@ def _draw_edges(
             draw.line(ends, fill=color, width=2)
 
 
-def _draw_plan(boxes: Sequence[tuple[UprightBox, tuple[int, int, int]]], truth: Picture, height: int) -> Image.Image:
+def _draw_plan(
+    boxes: Sequence[tuple[UprightBox, tuple[int, int, int]]], truth: PictureTruth, height: int
+) -> Image.Image:
     """The room from above, y upwards."""
     scale = (height - 40) / max(truth.size)
     image = Image.new("RGB", (height, height), "white")

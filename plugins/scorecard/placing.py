@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from roomkin.plugins.scorecard.pairing import pair_things
 from roomkin.plugins.scorecard.submission import SubmittedRoom
-from roomkin.plugins.scorecard.truth import Picture, TrueThing
+from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_of_matrix
 
@@ -24,14 +24,14 @@ class PlacedRoom:
     scale: float
 
 
-def world_from(room: SubmittedRoom, truth: Picture) -> NDArray[np.float64]:
+def world_from(room: SubmittedRoom, truth: PictureTruth) -> NDArray[np.float64]:
     """Transform (4, 4) of the submission's frame to the world, through the camera."""
     if room.floor_from_camera is None:
         return truth.pose
     return np.asarray(truth.pose @ invert_transform(room.floor_from_camera))
 
 
-def place_room(room: SubmittedRoom, truth: Picture, asked: Sequence[TrueThing]) -> PlacedRoom:
+def place_room(room: SubmittedRoom, truth: PictureTruth, asked: Sequence[TrueThing]) -> PlacedRoom:
     """The submission in the world, paired with the truth.
 
     A yaw is one about the vertical of the submission's frame; a floor found a little tilted moves boxes, but does not

@@ -23,7 +23,7 @@ from roomkin.plugins.scorecard.naming import is_sensible
 from roomkin.plugins.scorecard.placing import PlacedRoom, place_room
 from roomkin.plugins.scorecard.standing import find_standing
 from roomkin.plugins.scorecard.submission import Cells, RoomScene, Submission
-from roomkin.plugins.scorecard.truth import Picture, TrueThing, read_truth
+from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing, read_truth
 from roomkin.stages.geometry.boxes import oriented_iou
 
 
@@ -102,7 +102,7 @@ def score_submission(
     return things, rooms
 
 
-def make_missing(truth: Picture, thing: TrueThing, status: str, asked: Sequence[TrueThing]) -> ThingRow:
+def make_missing(truth: PictureTruth, thing: TrueThing, status: str, asked: Sequence[TrueThing]) -> ThingRow:
     """The row of a thing that the submission lacks: wrong in all that is asked of it."""
     turns = None if thing.symmetry == "full" else False
     carried = is_carrier_right(thing, "", {}, [one.number for one in asked])
@@ -110,7 +110,7 @@ def make_missing(truth: Picture, thing: TrueThing, status: str, asked: Sequence[
     return ThingRow(**_name(truth, thing), status=status, yaw=turns, facing=turns, carrier=carried, opens=opens)
 
 
-def _name(truth: Picture, thing: TrueThing) -> dict[str, Any]:
+def _name(truth: PictureTruth, thing: TrueThing) -> dict[str, Any]:
     return {
         "rooms": truth.half, "picture": truth.name, "number": thing.number, "label": thing.label, "kind": thing.kind,
         "model": thing.model, "seen": thing.seen, "cut": thing.cut,
@@ -118,7 +118,7 @@ def _name(truth: Picture, thing: TrueThing) -> dict[str, Any]:
 
 
 def score_room(
-    truth: Picture, asked: Sequence[TrueThing], scene: RoomScene, placed: PlacedRoom, shapes: dict[str, Cells]
+    truth: PictureTruth, asked: Sequence[TrueThing], scene: RoomScene, placed: PlacedRoom, shapes: dict[str, Cells]
 ) -> Iterator[ThingRow]:
     """The rows of a room."""
     numbers = [thing.number for thing in asked]

@@ -52,7 +52,7 @@ class TrueThing:
 
 
 @dataclass(frozen=True)
-class Picture:
+class PictureTruth:
     """The truth of a picture. `joined`: in drawn masks, the value that holds another's pixels, too."""
 
     name: str
@@ -76,14 +76,14 @@ class Picture:
         return [thing for thing in self.things if thing.named and thing.number not in joined]
 
 
-def read_truth(path: Path) -> Picture:
+def read_truth(path: Path) -> PictureTruth:
     """A truth.json.
 
     Raises:
         InputError: it is missing, or is none.
     """
     try:
-        return TypeAdapter(Picture).validate_json(read_text(path))
+        return TypeAdapter(PictureTruth).validate_json(read_text(path))
     except ValidationError as error:
         mend = "make the rooms again: python -m benchmarks.open_rooms make DIR"
         what = f"is no truth of a room: {first_error(error)}."
@@ -109,7 +109,7 @@ def list_rooms(data: Path, rooms: str) -> list[Path]:
     return sorted(path.parent for path in (data / name).glob("*/truth.json"))
 
 
-def with_opening(picture: Picture, opens: dict[str, tuple[tuple[str, ...], str]]) -> Picture:
+def with_opening(picture: PictureTruth, opens: dict[str, tuple[tuple[str, ...], str]]) -> PictureTruth:
     """The truth with what is known by model of how it opens, and of its handle."""
     none: tuple[tuple[str, ...], str] = ((), "")
 
@@ -120,6 +120,6 @@ def with_opening(picture: Picture, opens: dict[str, tuple[tuple[str, ...], str]]
     return replace(picture, things=[tell(thing) for thing in picture.things])
 
 
-def as_plain(picture: Picture) -> Any:
+def as_plain(picture: PictureTruth) -> Any:
     """The truth as plain data."""
-    return TypeAdapter(Picture).dump_python(picture, mode="json")
+    return TypeAdapter(PictureTruth).dump_python(picture, mode="json")

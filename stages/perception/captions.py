@@ -11,7 +11,7 @@ from roomkin.stages.cli import progress
 from roomkin.stages.config.perception import SeeSection
 from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.geometry.masks import pixel_bounds
-from roomkin.stages.perception.classification.names import UNSURE, Names, Proposal
+from roomkin.stages.perception.classification.names import UNSURE, LikelyName, Names
 from roomkin.stages.perception.classification.naming import Named
 from roomkin.stages.perception.segmentation.proposal import Mask, RoomView
 from roomkin.stages.plugins import load
@@ -55,7 +55,7 @@ def caption_things(captioner: Captioner, view: RoomView, things: Sequence[Named]
         if said is None:
             found[k] = replace(one, left_out="no whole thing, says the language model")
         elif said:
-            names = Names([Proposal(said["label"], 1.0)], 0.0)
+            names = Names([LikelyName(said["label"], 1.0)], 0.0)
             found[k] = replace(one, names=names, left_out="", stated=said)
     walls = view.surfaces.wall_masks
     if options.mounting == "vlm" and not walls:

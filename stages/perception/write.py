@@ -20,7 +20,7 @@ from roomkin.stages.contracts.scene_input import write_scene_input
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.contracts.things import Found, Name
 from roomkin.stages.geometry.robust import TRIM
-from roomkin.stages.perception.classification.names import Names, Proposal
+from roomkin.stages.perception.classification.names import LikelyName, Names
 from roomkin.stages.perception.read.frame import TILT, Frame, Labelled, fit_frame, surface_of
 from roomkin.stages.perception.read.mask_pieces import remove_edges
 from roomkin.stages.plugins import PACKAGES
@@ -32,7 +32,7 @@ MOSTLY = 0.8  # share of the proposed names that open, from which on only models
 FRAME_OPTIONS = {"extraction": {"crop": 1.0, "trim": TRIM, "max_tilt": TILT}}
 
 
-def opens(label: str, proposals: Sequence[Proposal]) -> bool:
+def opens(label: str, proposals: Sequence[LikelyName]) -> bool:
     """Whether what is called so opens; if names are proposed for it, whether most of what they weigh does."""
     weights = [one.probability for one in proposals]
     if not sum(weights):
@@ -81,7 +81,7 @@ def tell_names(names: Names) -> Found:
     return Found(names=told, other=round(names.other, 4))
 
 
-def doubt_name(proposals: Sequence[Proposal | Name]) -> list[Doubt]:
+def doubt_name(proposals: Sequence[LikelyName | Name]) -> list[Doubt]:
     """That the surest of names is not sure."""
     if not proposals or proposals[0].probability >= DoubtKind.NAME.threshold:
         return []

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roomkin.plugins.annotator.clicking import Clicker, Seen
+from roomkin.plugins.annotator.clicking import ClickedPicture, Clicker
 from roomkin.stages.geometry.masks import Mask, pixel_bounds
-from roomkin.stages.perception.classification.propose import Names, Proposal
+from roomkin.stages.perception.classification.propose import LikelyName, Names
 from roomkin.stages.perception.segmentation.mobile_sam import Outlines
 from roomkin.stages.perception.segmentation.ssd import DetectedBox
 
@@ -70,12 +70,12 @@ class KnownClicker(Clicker):
         self.guesses: list[Mask] = []
 
     @property
-    def seen(self) -> Seen:
+    def seen(self) -> ClickedPicture:
         """At once."""
         self._picture.guesses = self.guesses
-        return Seen(self._picture, self.boxes, self.found)
+        return ClickedPicture(self._picture, self.boxes, self.found)
 
     def name(self, mask: Mask) -> Names:
         """Of the thing that most of a mask shows."""
         names = sorted(self.things, key=lambda name: -(self.things[name] & mask).sum())
-        return Names([Proposal(names[0], 0.7), Proposal("nightstand", 0.1)], 0.2)
+        return Names([LikelyName(names[0], 0.7), LikelyName("nightstand", 0.1)], 0.2)

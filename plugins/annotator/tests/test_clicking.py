@@ -27,7 +27,7 @@ from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from roomkin.stages.geometry.masks import CORNERS, Mask, outline_mask, outline_pieces, polygon, polygons
 from roomkin.stages.perception.camera.metrology import MetrologyError
-from roomkin.stages.perception.classification.propose import Names, Proposal
+from roomkin.stages.perception.classification.propose import LikelyName, Names
 from roomkin.stages.perception.drawing import outlined
 from roomkin.stages.perception.drawing.outlined import propose_box, weigh_names
 from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
@@ -238,11 +238,11 @@ def test_what_was_drawn_before_a_thing_may_cut_its_outline_but_what_carries_it_d
 
 
 def test_names_are_weighed_by_size_and_by_what_holds_the_thing() -> None:
-    names = Names([Proposal("wardrobe", 0.4), Proposal("wall cabinet", 0.2), Proposal("nightstand", 0.2)], 0.2)
+    names = Names([LikelyName("wardrobe", 0.4), LikelyName("wall cabinet", 0.2), LikelyName("nightstand", 0.2)], 0.2)
     stands, hangs = weigh_names(names, False, 0.5, 0.6), weigh_names(names, True, 0.6, 0.7)
     assert stands.proposals[0].name == "nightstand" and hangs.proposals[0].name == "wall cabinet"
     assert sum(one.probability for one in stands.proposals) + stands.other == pytest.approx(1)
-    bed = weigh_names(Names([Proposal("bed", 0.5), Proposal("picture", 0.3)], 0.2), True, 1.5, 0.8)
+    bed = weigh_names(Names([LikelyName("bed", 0.5), LikelyName("picture", 0.3)], 0.2), True, 1.5, 0.8)
     assert bed.proposals[0].name == "picture", "no bed hangs"
 
 

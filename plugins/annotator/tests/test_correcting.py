@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from roomkin.plugins.annotator import annotate
 from roomkin.plugins.annotator.correcting import Correcting
-from roomkin.plugins.annotator.shown import Drawing, Thing
+from roomkin.plugins.annotator.shown import ShownPicture, ShownThing
 from roomkin.plugins.annotator.tests.annotate_page import watched
 from roomkin.plugins.annotator.tests.corrected_scene import read_told_to
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
@@ -52,17 +52,17 @@ def session(source: Path) -> Correcting:
     return Correcting(source, ["mug"], source.parent / "results", "kitchen")
 
 
-def _told(session: Correcting, drawing: Drawing) -> list[dict[str, Any]]:
+def _told(session: Correcting, drawing: ShownPicture) -> list[dict[str, Any]]:
     """What is kept of a drawing."""
     session.save(drawing.model_dump(mode="json"))
     path = session.folder / CORRECTIONS
     return json.loads(path.read_text()).get("objects", []) if path.is_file() else []
 
 
-def _changed(drawing: Drawing, **changes: dict[str, Any] | None) -> Drawing:
+def _changed(drawing: ShownPicture, **changes: dict[str, Any] | None) -> ShownPicture:
     """The drawing with things changed by id; None in the place of changes: deleted."""
     kept = [item for item in drawing.objects if changes.get(item.id, {}) is not None]
-    return Drawing(objects=[item.model_copy(update=changes.get(item.id) or {}) for item in kept])
+    return ShownPicture(objects=[item.model_copy(update=changes.get(item.id) or {}) for item in kept])
 
 
 def _objects(folder: Path, *told: Correction) -> Objects:
@@ -201,9 +201,9 @@ def test_another_name_than_the_proposed_one_says_anew_whether_it_opens(
 def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correcting, source: Path) -> None:
     square = [(10.0, 300.0), (60.0, 300.0), (60.0, 340.0), (10.0, 340.0)]
     drawing = session.open_drawing()
-    drawing.objects.append(Thing(id="a", mask=91, label="floor", outline=[(0.0, 0.0), (40.0, 0.0), (40.0, 20.0)]))
-    drawing.objects.append(Thing(id="b", mask=92, label="mug", outline=square))
-    drawing.objects.append(Thing(id="c", mask=93, label="lost", outline=[(900.0, 900.0)] * 3))
+    drawing.objects.append(ShownThing(id="a", mask=91, label="floor", outline=[(0.0, 0.0), (40.0, 0.0), (40.0, 20.0)]))
+    drawing.objects.append(ShownThing(id="b", mask=92, label="mug", outline=square))
+    drawing.objects.append(ShownThing(id="c", mask=93, label="lost", outline=[(900.0, 900.0)] * 3))
     session.save(drawing.model_dump(mode="json"))
     answer = session.write(drawing.model_dump(mode="json"))
     assert answer["notes"] == ["lost: no pixel shows it, left out"] and "mug_1" in answer["ids"]
@@ -391,7 +391,7 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, sour
     page, found = opened, read_scene_input(source).masks
     a, d, e, f = page.locator("#view").evaluate("e => { const m = e.getScreenCTM(); return [m.a, m.d, m.e, m.f]; }")
 
-    def saved() -> Drawing:
+    def saved() -> ShownPicture:
         page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
         return session.open_drawing()
 

@@ -7,7 +7,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from roomkin.plugins.scorecard.truth import Picture, TrueThing, as_plain
+from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing, as_plain
 from roomkin.stages.contracts import write_json
 from roomkin.stages.geometry.frames import make_transform
 
@@ -27,7 +27,7 @@ CABINET = replace(
 CLUTTER = replace(TABLE, number=4, name="clutter", model="m_clutter", kind="clutter", label="", named=False)
 # Level, at 1.4 m, looking along y: x right, y down, z forward.
 POSE = make_transform([[1, 0, 0], [0, 0, 1], [0, -1, 0]], (2.0, 0.3, 1.4))
-TRUTH = Picture(
+TRUTH = PictureTruth(
     name="toy_room_1", half="toy", kind="living", device="stereo", focal=500.0, size=(4.0, 4.0),
     world_from_camera=POSE.tolist(), things=[TABLE, MUG, CABINET, CLUTTER], joined={},
 )  # fmt: skip
@@ -41,7 +41,7 @@ HEAD: dict[str, Any] = {
 }
 
 
-def write_rooms(data: Path, *truths: Picture) -> Path:
+def write_rooms(data: Path, *truths: PictureTruth) -> Path:
     """A data set of a set `toy`, with plain pictures."""
     for truth in truths or (TRUTH,):
         folder = data / "toy" / truth.name

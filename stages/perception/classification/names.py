@@ -24,7 +24,7 @@ ODD = (ValueError, IndexError, ArithmeticError, np.linalg.LinAlgError, cv2.error
 UNMEASURED = "its outline cannot be measured: too few pixels, or none that agree"
 
 
-class Proposal(NamedTuple):
+class LikelyName(NamedTuple):
     """A category of the library, in words, and how sure it is, 0 to 1."""
 
     name: str
@@ -39,7 +39,7 @@ class Proposal(NamedTuple):
 class Names(NamedTuple):
     """Categories, surest first, and the probability that it is none of them: together 1."""
 
-    proposals: list[Proposal]
+    proposals: list[LikelyName]
     other: float
 
     def weigh(self, weights: Mapping[str, float], other: float = 1.0) -> "Names":
@@ -72,7 +72,7 @@ class Names(NamedTuple):
 def normalise(shares: list[tuple[str, float]], other: float) -> Names:
     """The names of these shares, in words, and of `other`."""
     total = sum(share for _, share in shares) + other
-    found = [Proposal(name, share / total) for name, share in shares]
+    found = [LikelyName(name, share / total) for name, share in shares]
     return Names(sorted(found, key=lambda one: -one.probability), other / total)
 
 

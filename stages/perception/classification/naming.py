@@ -14,8 +14,8 @@ from roomkin.stages.perception.classification.names import (
     ODD,
     UNMEASURED,
     UNSURE,
+    LikelyName,
     Names,
-    Proposal,
     carries,
     find_reason,
     may_carry,
@@ -130,7 +130,7 @@ def name(view: RoomView, thing: Outlined, known: Mask) -> Names:
     """
     told, score = max(thing.words.items(), key=lambda each: each[1], default=("", 0.0))
     if told and told not in COCO_CLASSES.values() and told.replace(" ", "_") not in known_categories():
-        return Names([Proposal(told, score)], 1 - score)
+        return Names([LikelyName(told, score)], 1 - score)
     depth = np.where(thing.mask & ~known, 0, view.depth)
     seen = observe(view.rgb, depth, thing.mask, view.intrinsics, view.surfaces.frame)
     return propose_names(seen, thing.words or None)

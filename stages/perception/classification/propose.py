@@ -25,7 +25,7 @@ from roomkin.stages.perception.classification.efficientnet import (
     published_file,
     to_input,
 )
-from roomkin.stages.perception.classification.names import Names, Proposal
+from roomkin.stages.perception.classification.names import LikelyName, Names
 from roomkin.stages.perception.classification.network import ShapeNetwork, load_weights
 
 Array = NDArray[np.float64]
@@ -291,4 +291,4 @@ def propose_names(observed: Observed, coco: Mapping[str, float] | None = None) -
     _, names = read_network()
     share = combine(gather(observed, coco, names), Exponents())
     order = np.argsort(-share[:-1], kind="stable")
-    return Names([Proposal(names[one].replace("_", " "), float(share[one])) for one in order], float(share[-1]))
+    return Names([LikelyName(names[one].replace("_", " "), float(share[one])) for one in order], float(share[-1]))

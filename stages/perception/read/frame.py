@@ -21,7 +21,7 @@ from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.errors import plain_letters
 from roomkin.stages.contracts.images import orientation_of
 from roomkin.stages.geometry.cameras import scale_intrinsics
-from roomkin.stages.perception.classification.names import Proposal
+from roomkin.stages.perception.classification.names import LikelyName
 
 TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
 LONGEST_SIDE = 1600  # pixels of a picture; larger ones are made smaller; chosen for time
@@ -36,7 +36,7 @@ class Labelled:
 
     values: NDArray[np.uint16]
     labels: dict[int, str]
-    proposals: dict[int, list[Proposal]] = field(default_factory=dict)
+    proposals: dict[int, list[LikelyName]] = field(default_factory=dict)
     doubts: dict[int, list[Doubt]] = field(default_factory=dict)
     stated: dict[int, dict[str, Any]] = field(default_factory=dict)
 

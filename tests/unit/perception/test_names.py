@@ -16,7 +16,7 @@ from roomkin.stages.perception.classification import propose as observed
 from roomkin.stages.perception.classification.names import (
     NO_KIND,
     NO_NAME,
-    Proposal,
+    LikelyName,
     find_reason,
     place_sure,
     refuse_size,
@@ -182,20 +182,22 @@ def test_the_classifier_needs_its_weights(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_what_carries_is_placed_if_it_may_carry_at_all() -> None:
-    table = Names([Proposal("table", 0.15), Proposal("desk", 0.1), Proposal("bed", 0.05)], 0.7)
-    cutlery = Names([Proposal("cutlery", 0.2), Proposal("table", 0.1)], 0.7)
+    table = Names([LikelyName("table", 0.15), LikelyName("desk", 0.1), LikelyName("bed", 0.05)], 0.7)
+    cutlery = Names([LikelyName("cutlery", 0.2), LikelyName("table", 0.1)], 0.7)
     named = {1: table, 2: cutlery}
     assert place_sure(named, 0.5, [1, 2]) == {1: "table"} and place_sure(named, 0.5) == {}
 
 
 def test_names_of_one_kin_are_sure_together() -> None:
-    seats = Names([Proposal("sofa", 0.3), Proposal("bench", 0.3), Proposal("mug", 0.1)], 0.3)
+    seats = Names([LikelyName("sofa", 0.3), LikelyName("bench", 0.3), LikelyName("mug", 0.1)], 0.3)
     assert find_reason(seats, 0.5) == "" and find_reason(seats, 0.7) == NO_NAME
-    assert find_reason(Names([Proposal("sofa", 0.3), Proposal("mug", 0.3)], 0.4), 0.2) == NO_KIND
-    assert find_reason(Names([Proposal("a drill", 0.6), Proposal("sofa", 0.4)], 0.0), 0.5) == "", "one of no category"
+    assert find_reason(Names([LikelyName("sofa", 0.3), LikelyName("mug", 0.3)], 0.4), 0.2) == NO_KIND
+    assert find_reason(Names([LikelyName("a drill", 0.6), LikelyName("sofa", 0.4)], 0.0), 0.5) == "", (
+        "one of no category"
+    )
 
 
 def test_the_noise_of_its_depth_makes_nothing_flat_too_large() -> None:
-    picture = Names([Proposal("picture", 0.9), Proposal("box", 0.1)], 0.0)
+    picture = Names([LikelyName("picture", 0.9), LikelyName("box", 0.1)], 0.0)
     assert refuse_size(picture, np.array([0.3, 0.5, 0.6])).proposals[0].name == "picture"
-    assert refuse_size(Names([Proposal("picture", 0.5)], 0.5), np.array([0.1, 2.4, 0.6])).other > 0.9
+    assert refuse_size(Names([LikelyName("picture", 0.5)], 0.5), np.array([0.1, 2.4, 0.6])).other > 0.9

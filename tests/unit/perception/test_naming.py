@@ -12,7 +12,7 @@ from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.perception.camera.metrology import UprightPlane
 from roomkin.stages.perception.classification import by_size
 from roomkin.stages.perception.classification.by_size import expect_found, name_by_extents, name_others, name_standing
-from roomkin.stages.perception.classification.names import Names, Proposal
+from roomkin.stages.perception.classification.names import LikelyName, Names
 from roomkin.stages.perception.layout.ends import kind_of, measure_all, number_masks
 from roomkin.stages.perception.layout.room import FittedRoom
 from roomkin.stages.perception.layout.things import (
@@ -42,7 +42,7 @@ from tests.unit.perception.room_alone import (
 )
 
 Mask = NDArray[np.bool_]
-ALIKE = [Proposal(name.replace("_", " "), 0.3 / len(known_categories())) for name in known_categories()]
+ALIKE = [LikelyName(name.replace("_", " "), 0.3 / len(known_categories())) for name in known_categories()]
 NOBODY_KNOWS = Names(ALIKE, 0.7)
 
 
@@ -56,7 +56,7 @@ def unknown(mask: Mask, kind: str) -> OutlineCandidate:
 
 
 def known(mask: Mask, *names: tuple[str, float]) -> OutlineCandidate:
-    return OutlineCandidate(mask, likely(STANDS), Names([Proposal(*one) for one in names], 0.05), True)
+    return OutlineCandidate(mask, likely(STANDS), Names([LikelyName(*one) for one in names], 0.05), True)
 
 
 INSIDE = np.ones((HEIGHT, WIDTH), bool)
@@ -112,8 +112,12 @@ def floor_around(*masks: Mask) -> OutlineCandidate:
 def test_a_known_thing_is_one_of_the_library_or_none() -> None:
     mask = outline_box(BOXES[1])
     assert known(mask, ("fridge", 0.9)).is_sure
-    assert not OutlineCandidate(mask, 0.95, Names([Proposal("fridge", 0.3)], 0.7), True).is_sure, "it is likelier none"
-    assert not OutlineCandidate(mask, 0.95, Names([Proposal("fridge", 0.9)], 0.1), False).is_sure, "no network knows it"
+    assert not OutlineCandidate(mask, 0.95, Names([LikelyName("fridge", 0.3)], 0.7), True).is_sure, (
+        "it is likelier none"
+    )
+    assert not OutlineCandidate(mask, 0.95, Names([LikelyName("fridge", 0.9)], 0.1), False).is_sure, (
+        "no network knows it"
+    )
 
 
 def test_a_row_of_drawers_over_a_door_is_one_front() -> None:
@@ -154,7 +158,7 @@ def test_what_stands_on_the_floor_is_named_by_its_size() -> None:
 def test_a_rug_ends_at_the_floor() -> None:
     flat = UprightBox([-0.6, 2.9, 0.01], [1.2, 0.6, 0.02], 0.0)
     mask = outline_box(flat)
-    rug = OutlineCandidate(mask, likely(STANDS), Names([Proposal("rug", 0.9)], 0.1), False)
+    rug = OutlineCandidate(mask, likely(STANDS), Names([LikelyName("rug", 0.9)], 0.1), False)
     below = unknown(np.any([np.roll(mask, k, axis=0) for k in range(1, 40)], axis=0) & ~mask, NOTHING)
     assert stand(*see(rug))[3] == "rug"
     assert stand(*see(rug, below))[3] != "rug", "what ends at another thing is none"
@@ -170,7 +174,7 @@ def test_what_hangs_is_named_by_its_size_on_its_wall() -> None:
     seen, room, labels = see(unknown(outline_box(BOXES[5]), HANGS))
     assert rest(seen, room, labels) == {3: "picture"}
     wide = UprightBox([-0.2, 4.35, 0.5], [1.1, 0.1, 0.6], 0.0)
-    radiator = OutlineCandidate(outline_box(wide), likely(HANGS), Names([Proposal("radiator", 0.5)], 0.5), False)
+    radiator = OutlineCandidate(outline_box(wide), likely(HANGS), Names([LikelyName("radiator", 0.5)], 0.5), False)
     assert rest(*see(radiator)) == {3: "radiator"}, "by its looks, too"
     either = OutlineCandidate(outline_box(BOXES[5]), likely(RESTS, HANGS, WALL), NOBODY_KNOWS, False)
     assert rest(*see(either)) == {3: "picture"}, "as nothing carries it"
@@ -232,7 +236,7 @@ def test_what_carries_a_known_thing_is_one_of_those_that_do() -> None:
     assert 3 not in arrange_once(show_room(), see_lines(), number(seen), labels).boxes
     assert {"appliance", "storage", "table"} & kin_of(stand(seen, None, labels)[4])
     assert name(seen, labels)[1] == {4}
-    seen[3] = replace(seen[3], names=Names([Proposal("ottoman", 0.99)], 0.01))
+    seen[3] = replace(seen[3], names=Names([LikelyName("ottoman", 0.99)], 0.01))
     assert {"appliance", "storage", "table"} & kin_of(stand(seen, None, labels)[4]), "whatever it looks like"
 
 
@@ -276,7 +280,7 @@ def test_a_thing_whose_size_cannot_be_told_gets_no_name_and_others_do(monkeypatc
 
 
 def test_what_is_likely_nothing_stays_so_but_on_a_wall() -> None:
-    masks, doubted = outline_room((1, 2)), Names([Proposal("desk", 0.1)], 0.9)
+    masks, doubted = outline_room((1, 2)), Names([LikelyName("desk", 0.1)], 0.9)
     low = outline_box(UprightBox([-1.1, 4.1, 0.36], [1.0, 0.5, 0.72], 0.0)) & (masks == 0)
     seen, _, labels = see(replace(unknown(low, STANDS), names=doubted), floor_around(low, masks > 0))
     assert name(seen, labels)[0][3].other == pytest.approx(0.9)

@@ -22,7 +22,7 @@ from roomkin.stages.extraction.noise import read_folder
 from roomkin.stages.extraction.reconstruct import reconstruct
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.perception import from_rgbd
-from roomkin.stages.perception.classification.propose import Proposal
+from roomkin.stages.perception.classification.propose import LikelyName
 from roomkin.stages.perception.read.depth_files import convert_to_metres, read_raw
 from roomkin.stages.perception.read.frame import Labelled
 from roomkin.stages.perception.read.mask_files import read_labelled
@@ -125,7 +125,7 @@ def boxes_of(folder: Path) -> dict[str, Any]:
 
 
 def test_a_name_that_is_not_sure_is_doubted_until_it_is_said() -> None:
-    sure, unsure = [Proposal("mug", 0.95), Proposal("jar", 0.01)], [Proposal("jar", 0.4), Proposal("mug", 0.3)]
+    sure, unsure = [LikelyName("mug", 0.95), LikelyName("jar", 0.01)], [LikelyName("jar", 0.4), LikelyName("mug", 0.3)]
     values = np.repeat(np.arange(3, dtype=np.uint16)[:, None], 4, axis=1)
     masks = Labelled(values, {1: "mug", 2: "jar"}, {1: sure, 2: unsure})
     _, written = make_annotations(masks)

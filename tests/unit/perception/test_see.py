@@ -20,7 +20,7 @@ from roomkin.stages.contracts.things import Things, read_things
 from roomkin.stages.perception import from_rgbd, see
 from roomkin.stages.perception.captions import caption_things
 from roomkin.stages.perception.classification import naming
-from roomkin.stages.perception.classification.names import NO_KIND, NO_NAME, Names, Proposal, find_reason
+from roomkin.stages.perception.classification.names import NO_KIND, NO_NAME, LikelyName, Names, find_reason
 from roomkin.stages.perception.classification.naming import name_things
 from roomkin.stages.perception.read.frame import Frame
 from roomkin.stages.perception.segmentation.choosing import Outlined
@@ -28,9 +28,9 @@ from roomkin.stages.perception.segmentation.proposal import Mask, RoomView
 from tests.unit.perception.room_with_depth import ON_TABLE, TABLE, see_room
 
 DATA = Path(os.environ.get("ACDC_TEST_DATA", Path(__file__).resolve().parents[4] / "shared/data"))
-SURE = Names([Proposal("mug", 0.9), Proposal("jar", 0.05)], 0.05)
-UNSURE = Names([Proposal("desk", 0.4), Proposal("bed", 0.3)], 0.3)
-NONE = Names([Proposal("desk", 0.3), Proposal("table", 0.1)], 0.6)
+SURE = Names([LikelyName("mug", 0.9), LikelyName("jar", 0.05)], 0.05)
+UNSURE = Names([LikelyName("desk", 0.4), LikelyName("bed", 0.3)], 0.3)
+NONE = Names([LikelyName("desk", 0.3), LikelyName("table", 0.1)], 0.6)
 
 
 def outlined(mask: Mask, flat: bool = False) -> Outlined:
@@ -63,19 +63,19 @@ def test_what_carries_what_is_placed_stays(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_what_can_hardly_carry_is_not_placed_for_what_it_carries(monkeypatch: pytest.MonkeyPatch) -> None:
     view, (table, mug) = see_room(TABLE, ON_TABLE)
-    cutlery = Names([Proposal("cutlery", 0.02), Proposal("table", 0.01)], 0.97)
+    cutlery = Names([LikelyName("cutlery", 0.02), LikelyName("table", 0.01)], 0.97)
     assert name(monkeypatch, view, [table, mug], cutlery, SURE) == [NO_KIND, ""]
 
 
 def test_what_is_of_one_kin_is_sure_together(monkeypatch: pytest.MonkeyPatch) -> None:
     view, (table, _) = see_room(TABLE, ON_TABLE)
-    alike = Names([Proposal("desk", 0.3), Proposal("table", 0.25), Proposal("bed", 0.1)], 0.35)
+    alike = Names([LikelyName("desk", 0.3), LikelyName("table", 0.25), LikelyName("bed", 0.1)], 0.35)
     assert name(monkeypatch, view, [table], alike) == [""]
 
 
 def test_what_is_far_too_large_is_not_called_so(monkeypatch: pytest.MonkeyPatch) -> None:
     view, (table, mug) = see_room(TABLE, ON_TABLE)
-    named = Names([Proposal("mug", 0.6), Proposal("desk", 0.35)], 0.05)
+    named = Names([LikelyName("mug", 0.6), LikelyName("desk", 0.35)], 0.05)
     monkeypatch.setattr(naming, "observe", lambda *_: None)
     monkeypatch.setattr(naming, "propose_names", lambda *_: named)
     one, other = name_things(view, [outlined(table), outlined(mug)], 0.5)
@@ -92,7 +92,7 @@ def test_what_nobody_can_place_is_left_out(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_what_is_flat_on_a_wall_is_called_so(monkeypatch: pytest.MonkeyPatch) -> None:
     view, (picture,) = see_room(((3.96, -0.5, 1.2), (4.0, 0.3, 1.8)))
-    names = Names([Proposal("bed", 0.7), Proposal("picture", 0.2), Proposal("mirror", 0.05)], 0.05)
+    names = Names([LikelyName("bed", 0.7), LikelyName("picture", 0.2), LikelyName("mirror", 0.05)], 0.05)
     monkeypatch.setattr(naming, "observe", lambda *_: None)
     monkeypatch.setattr(naming, "propose_names", lambda *_: names)
     (one,) = name_things(view, [outlined(picture, flat=True)], 0.5)
@@ -103,13 +103,13 @@ def test_what_is_flat_on_a_wall_is_called_so(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_door_in_a_wall_is_no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     view, (door,) = see_room(((3.97, -0.4, 0.0), (4.0, 0.4, 2.0)))
-    (why,) = name(monkeypatch, view, [door], Names([Proposal("picture", 0.9)], 0.1), flat=True)
+    (why,) = name(monkeypatch, view, [door], Names([LikelyName("picture", 0.9)], 0.1), flat=True)
     assert "door" in why
 
 
 def test_what_is_flat_on_a_wall_is_placed_however_unsure_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
     view, (picture,) = see_room(((3.96, -0.5, 1.2), (4.0, 0.3, 1.8)))
-    names = Names([Proposal("radiator", 0.4), Proposal("curtain", 0.3), Proposal("picture", 0.2)], 0.1)
+    names = Names([LikelyName("radiator", 0.4), LikelyName("curtain", 0.3), LikelyName("picture", 0.2)], 0.1)
     assert find_reason(names, 0.5) == NO_NAME
     assert name(monkeypatch, view, [picture], names, flat=True) == [""]
 
@@ -126,7 +126,7 @@ def test_an_input_folder_comes_out_and_things_left_out_keep_their_pixels(
     write_view(tmp_path / "view", Frame(view.rgb, view.depth.astype(np.float32), view.intrinsics))
     monkeypatch.setattr(see, "list_proposals", lambda *_: [])
     monkeypatch.setattr(see, "choose", lambda *_: [outlined(mug), outlined(table)])
-    given = iter([SURE, Names([Proposal("bed", 0.2)], 0.8)])
+    given = iter([SURE, Names([LikelyName("bed", 0.2)], 0.8)])
     monkeypatch.setattr(naming, "observe", lambda *_: None)
     monkeypatch.setattr(naming, "propose_names", lambda *_: next(given))
     monkeypatch.setattr(naming, "find_carriers", lambda *_: set())
@@ -167,7 +167,7 @@ def test_depth_that_does_not_lie_on_what_the_picture_shows_is_doubted(
 
 def test_where_no_thing_is_sure_the_surest_is_placed(monkeypatch: pytest.MonkeyPatch) -> None:
     view, (table, mug) = see_room(TABLE, ON_TABLE)
-    given = iter([UNSURE, Names([Proposal("mug", 0.48), Proposal("book", 0.42)], 0.1)])
+    given = iter([UNSURE, Names([LikelyName("mug", 0.48), LikelyName("book", 0.42)], 0.1)])
     monkeypatch.setattr(naming, "observe", lambda *_: None)
     monkeypatch.setattr(naming, "propose_names", lambda *_: next(given))
     masks, things = see.label(see.Seen(view.surfaces, name_things(view, [outlined(table), outlined(mug)], 0.5)))
@@ -251,13 +251,13 @@ def test_a_word_stays_if_it_was_asked_for_and_not_for_being_one_of_cocos(monkeyp
         for word in ("umbrella", "couch", "pouffe")
     }
     assert called["umbrella"].left_out == called["couch"].left_out == NO_KIND
-    assert called["pouffe"].names.proposals == [Proposal("pouffe", 0.6)] and not called["pouffe"].left_out
+    assert called["pouffe"].names.proposals == [LikelyName("pouffe", 0.6)] and not called["pouffe"].left_out
     assert asked == [{"umbrella": 0.6}, {"couch": 0.6}]
 
 
 def test_what_carries_is_rather_a_table_and_other_reasons_stay() -> None:
     _, (table, _) = see_room(TABLE, ON_TABLE)
-    unsure = Names([Proposal("bed", 0.4), Proposal("table", 0.3)], 0.3)
+    unsure = Names([LikelyName("bed", 0.4), LikelyName("table", 0.3)], 0.3)
     one = naming.Named(outlined(table), unsure, np.zeros(3), np.ones(3), NO_NAME)
     carrying = naming.carry(one)
     assert carrying.names.proposals[0].name == "table" and carrying.left_out == ""
@@ -298,7 +298,7 @@ def test_what_is_behind_a_wall_is_in_another_room_or_in_a_mirror(monkeypatch: py
     (why,) = name(monkeypatch, view, [table & view.surfaces.beyond], SURE)
     assert "behind a wall" in why
     glass = (np.abs(view.surfaces.points[..., 1]) < 0.4) & (view.surfaces.points[..., 2] > 1.0)
-    monkeypatch.setattr(naming, "propose_names", lambda *_: Names([Proposal("bed", 0.2)], 0.8))
+    monkeypatch.setattr(naming, "propose_names", lambda *_: Names([LikelyName("bed", 0.2)], 0.8))
     (one,) = name_things(view, [outlined(glass & view.surfaces.beyond, flat=True)], 0.5)
     assert one.names.proposals[0].name == "mirror"
 
