@@ -18,14 +18,13 @@ ROLLED = "evaluation/policies/*/lite/*/rollouts.csv"  # below a folder of result
 OVER_OBJECTS, OVER_TRAININGS = 0.10, 0.10
 
 
-def run(*, results: tuple[Path, ...], split: str = "test") -> None:
+def run(*, results: tuple[Path, ...]) -> None:
     """Print the difference at each object, and its mean over objects with the t interval.
 
     Args:
         results: folders of runs, one for each library seed: a target of each is an object.
-        split: the unseen assets that count.
     """
-    rates = read_rates(results, split)
+    rates = read_rates(results)
     for ours, theirs in ASKED:
         found = compare(rates, ours, theirs)
         for name, difference in found.items():
@@ -35,7 +34,7 @@ def run(*, results: tuple[Path, ...], split: str = "test") -> None:
         print(f"{ours} minus {theirs}: {100 * found.mean():+.1f} points {span}, {len(found)} objects")
 
 
-def read_rates(results: tuple[Path, ...], split: str) -> pd.DataFrame:
+def read_rates(results: tuple[Path, ...]) -> pd.DataFrame:
     """Success over unseen assets, in [0, 1], of every object (rows) by training set (columns), assets alike.
 
     Raises:
@@ -45,7 +44,7 @@ def read_rates(results: tuple[Path, ...], split: str) -> pd.DataFrame:
     for folder in results:
         for path in sorted(folder.glob(ROLLED)):
             rows = read_rows(Rollout, [path], ONE_TEST)
-            rows = rows[rows["test_asset"] == split]
+            rows = rows[rows["test_asset"] == "test"]
             place = rates.setdefault(f"{folder.parent.name}/{path.parts[-4]}", {})
             place[path.parts[-2]] = float(rows.groupby("asset")["success"].mean().mean())
     if not rates:

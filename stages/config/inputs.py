@@ -1,9 +1,4 @@
-"""What a run looks at: pictures, scenes, and how they are taken apart (paper A.2).
-
-Pictures of the user's: input folders by the names of their scenes.
-
-Config section `extraction`: from image to objects in space (paper 2.1, A.2, A.7).
-"""
+"""What a run looks at: rooms and pictures by their scenes' names, and section `extraction` (paper 2.1, A.2, A.7)."""
 
 import json
 import os
@@ -114,8 +109,6 @@ class ExtractionConfig(Section):
         True, description="Continue depth onto the border that was taken off, so that boxes keep their size."
     )
     max_tilt: float = Field(60.0, gt=0, lt=90, description="Largest angle between image-up and floor normal, degrees.")
-    dbscan_eps: float = Field(0.04, gt=0, description="DBSCAN radius in metres (A.7); grows where points are sparse.")
-    dbscan_min_points: int = Field(8, ge=1, description="DBSCAN core size (A.7).")
     trim: float = Field(
         0.01,
         ge=0,

@@ -1,10 +1,8 @@
-"""The cloud of an object: depth continued to its outline, then without stray points (paper A.7).
+"""The cloud of an object: depth continued to its outline, without stray points (paper A.7); levels on which it carries.
 
 Estimated depth is wrong along outlines, so masks are eroded (A.7). But without their border objects come out too small:
 two pixels are 1 cm at 3 m on a face seen straight on, and 10 cm on a table top seen at a low angle. Inverse depth is
 linear in the pixel on any plane, so it is continued from the core by local linear fits.
-
-The levels on which an object carries others: the heights of most of its upper surface.
 """
 
 from dataclasses import replace
@@ -84,6 +82,7 @@ def find_carrying_heights(category: CategoryFacts | None, level: float | None, t
 
 MAX_POINTS = 8000  # of a cloud; chosen for time
 NEIGHBOURS, MAX_DEVIATIONS = 16, 3.0  # of a point, and their distance in deviations of all distances: no outlier
+RADIUS, CORE = 0.04, 8  # DBSCAN's, in metres and points (A.7); the radius grows where points are sparse
 SPACING, SPARSE = 1.5, 0.95  # DBSCAN's radius in distances to a neighbour, at this quantile of the points; chosen
 SMALL = 0.01  # share of an object's points: smaller clusters are dropped; chosen
 # What begins so far behind the largest cluster, from above, and beside it in the picture, is seen past or through it:
@@ -110,13 +109,13 @@ def make_object_cloud(mask: Mask, view: DepthView, options: ExtractionConfig, rn
     cloud = view.of(mask if options.restore_border else core)
     if len(cloud) < 3:
         raise UnusableObjectError("no depth on its pixels")
-    cloud = clean_cloud(cloud, view, options, rng)
+    cloud = clean_cloud(cloud, view, rng)
     if len(cloud) < 3:
         raise UnusableObjectError("its depth is too scattered: no cluster of points")
     return cloud
 
 
-def clean_cloud(points: Array, view: DepthView, options: ExtractionConfig, rng: np.random.Generator) -> Array:
+def clean_cloud(points: Array, view: DepthView, rng: np.random.Generator) -> Array:
     """Points (M, 3), M <= 8000, without stray ones.
 
     Every DBSCAN cluster of some size is kept, not only the largest: a pole in front of an object cuts its cloud in
@@ -127,11 +126,11 @@ def clean_cloud(points: Array, view: DepthView, options: ExtractionConfig, rng: 
     if len(points) > MAX_POINTS:
         points = points[np.sort(rng.choice(len(points), MAX_POINTS, replace=False))]
     points = points[statistical_inliers(points, NEIGHBOURS, MAX_DEVIATIONS)]
-    if len(points) <= options.dbscan_min_points:
+    if len(points) <= CORE:
         return points
-    distances, _ = KDTree(points).query(points, k=options.dbscan_min_points)
-    radius = max(options.dbscan_eps, SPACING * float(np.quantile(distances[:, -1], SPARSE)))
-    labels = dbscan(points, radius, options.dbscan_min_points)
+    distances, _ = KDTree(points).query(points, k=CORE)
+    radius = max(RADIUS, SPACING * float(np.quantile(distances[:, -1], SPARSE)))
+    labels = dbscan(points, radius, CORE)
     clusters, counts = np.unique(labels[labels >= 0], return_counts=True)
     large = clusters[counts >= SMALL * len(points)]
     parts = {cluster: points[labels == cluster] for cluster in large}

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from roomkin.stages.config.inputs import DepthNoiseConfig, ExtractionConfig
+from roomkin.stages.config.inputs import DepthNoiseConfig
 from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Wall, object_ids
 from roomkin.stages.extraction import clouds, noise
 from roomkin.stages.extraction.clouds import clean_cloud, continue_depth
@@ -124,7 +124,7 @@ def test_cleaning_drops_flyers_and_keeps_both_halves() -> None:
     rng = _rng()
     halves = [rng.uniform([x, 0, 0], [x + 0.3, 0.3, 0.02], (1500, 3)) for x in (0.0, 0.6)]
     flyers = rng.uniform(-2, 2, (30, 3))
-    cloud = clean_cloud(np.vstack([*halves, flyers]), FROM_ABOVE, ExtractionConfig(), rng)
+    cloud = clean_cloud(np.vstack([*halves, flyers]), FROM_ABOVE, rng)
     assert np.abs(cloud).max() < 1.0
     assert (cloud[:, 0] < 0.3).any() and (cloud[:, 0] > 0.6).any()
 
@@ -136,7 +136,7 @@ def test_small_clusters_go(count: int, kept: bool) -> None:
     rng = _rng()
     points = rng.uniform(0, [0.6, 0.6, 0.02], (4000, 3))
     clump = rng.uniform([0.8, 0.3, 0.0], [0.83, 0.33, 0.03], (count, 3))
-    cloud = clean_cloud(np.vstack([points, clump]), FROM_ABOVE, ExtractionConfig(), rng)
+    cloud = clean_cloud(np.vstack([points, clump]), FROM_ABOVE, rng)
     assert bool((cloud[:, 0] > 0.7).any()) == kept
 
 

@@ -49,7 +49,6 @@ def test_options_that_are_none(section: Any, text: str) -> None:
         (ScenesConfig, "width", 0), (ScenesConfig, "supersampling", 99), (ScenesConfig, "height", "high"),
         (ExtractionConfig, "crop", 1.5), (ExtractionConfig, "crop", 0), (ExtractionConfig, "noise.scale", float("inf")),
         (ExtractionConfig, "depth_noise", "much"), (ExtractionConfig, "trim", 0.5),
-        (ExtractionConfig, "dbscan_eps", 1e400), (ExtractionConfig, "dbscan_min_points", 0),
         (MatchingConfig, "hog.grid", 7), (MatchingConfig, "hog.image_size", 0), (MatchingConfig, "k_cousins", 0),
         (MatchingConfig, "exclude_worst", 2), (MatchingConfig, "count_threshold", -1), (MatchingConfig, "k_cat", 0.5),
         (GenerationConfig, "ranks", 0), (GenerationConfig, "settle_seconds", float("nan")),

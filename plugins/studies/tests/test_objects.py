@@ -27,7 +27,7 @@ def test_an_object_of_each_library_is_a_unit(tmp_path: Path, capsys: pytest.Capt
         put(tmp_path / folder, "door_1", "cousins_8", 3 + gain)
     put(tmp_path / "two", "door_2", "twin", 1)
     folders = (tmp_path / "one/results", tmp_path / "two/results")
-    found = objects.compare(objects.read_rates(folders, "test"), "cousins_8", "twin")
+    found = objects.compare(objects.read_rates(folders), "cousins_8", "twin")
     assert found.to_dict() == pytest.approx({"one/door_1": 0.2, "two/door_1": 0.4})
     objects.run(results=folders)
     said = capsys.readouterr().out
@@ -37,7 +37,7 @@ def test_an_object_of_each_library_is_a_unit(tmp_path: Path, capsys: pytest.Capt
 
 def test_without_rollouts_it_says_so(tmp_path: Path) -> None:
     with refused("E-ROLLOUTS-MISSING"):
-        objects.read_rates((tmp_path,), "test")
+        objects.read_rates((tmp_path,))
 
 
 def test_a_forecast_says_yes_where_much_is_there_and_hardly_where_nothing_is() -> None:
