@@ -1,7 +1,4 @@
-"""Level surfaces that things can stand on or lie in, found with rays: the floor of a drawer, the top of a table.
-
-The task of Pick and Place: the object that they move, and its goal.
-"""
+"""The object that Pick and Place move, and its goal: level surfaces that things stand on or lie in, found with rays."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable

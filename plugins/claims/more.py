@@ -1,7 +1,4 @@
-"""Additions to Table 3: success over unseen assets, claims, stability of training, panels of Figure 4.
-
-Upper panels of Figure 4: success on every unseen asset, against what it looks like.
-"""
+"""Additions to Table 3: success on unseen assets and upper panels of Figure 4, claims, stability of training."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,4 @@
-"""Front panels of doors, flaps and drawers in several styles, with their handles.
-
-Carcasses with doors, flaps and drawers: cabinets, drawer units, wardrobes, fridges, ovens, microwaves.
-"""
+"""Cabinets, drawer units, wardrobes, fridges, ovens: panels with their handles in several styles, on carcasses."""
 
 from typing import Any, Literal, NamedTuple
 

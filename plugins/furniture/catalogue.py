@@ -1,10 +1,8 @@
-"""Families of near relatives: variations of a category's first models, the templates (docs/assets.md).
+"""The categories of the library, found in `categories/`, and their models by number: templates and their relatives.
 
-Of cabinets every other generation is near (the same fronts and kind of handle in other proportions, finishes, panels),
-the others are farther: other fronts, handles and hinges. Relatives of
-all else are sampled anew in their template's style.
-
-The categories of the library and the generators that recipes name, found in `categories/`; recipes by number.
+Of cabinets every other generation is near its template (the same fronts and kind of handle in other proportions,
+finishes, panels), the others are farther: other fronts, handles, hinges. Relatives of all else are sampled anew in the
+style of their template (docs/assets.md).
 """
 
 import inspect

@@ -1,7 +1,4 @@
-"""How large real things are where our models vary less: a size beyond both is unusual (`Category.real`).
-
-Command `facts`: what others know of the categories here without making a model of one.
-"""
+"""Command `facts`: what others know of the categories without making a model; how large real things are beyond ours."""
 
 import json
 from collections.abc import Mapping

@@ -1,9 +1,4 @@
-"""A model as a robot with its textures, and as an asset folder.
-
-A procedural model as an articulation: one link per moving part, masses and inertias from the solids.
-
-Make an asset folder from a recipe.
-"""
+"""From a recipe to an asset folder: a robot with a link per moving part, masses of its solids, and textures."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,11 +1,4 @@
-"""The front of a cabinet: handles, cells, and the recipe that names them.
-
-Handles that a parallel gripper can hold: 8-16 mm thick, standing out far enough for a finger on either side.
-
-Divide a front into cells: columns of cells, or rows of cells, of doors, drawers, open shelves...
-
-The recipe of a cabinet: what the generator can be asked for, with units and bounds.
-"""
+"""The front of a cabinet: divided into cells of doors, drawers and shelves, with handles that a gripper can hold."""
 
 from typing import Annotated, Literal, NamedTuple
 

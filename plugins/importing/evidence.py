@@ -1,7 +1,4 @@
-"""Which way is up in a model's file: what its hinges, slides, foot and size say, weighed against its format.
-
-Up axis, unit and front of the files of a folder: evidence from each model, and what most of them agree on.
-"""
+"""Up axis, unit and front of files: what hinges, slides, foot and size of each say, and most agree on."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence

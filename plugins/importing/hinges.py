@@ -1,11 +1,4 @@
-"""Joints of a model: which side hinges are on, where they are shut, and what is a button.
-
-Panels on hinges and things that slide, whichever way is up in their file.
-
-Where a model's doors and drawers are shut: at an end of their limits, or where they are drawn, at 0 between them.
-
-Push buttons of imported models: slides of which a spring, a name or PartNet-Mobility's semantics.txt says so.
-"""
+"""Joints of a model, whichever way is up: panels on hinges, slides, buttons, and where each is shut."""
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace

@@ -1,9 +1,4 @@
-"""One picture of an imported model: everything open, its front marked by an arrow on the ground before it.
-
-The page of the command `import`: a picture and a few lines per model, one file.
-
-`import`: look at a folder of models, say what each is taken for, and write a folder that the library takes.
-"""
+"""Command `import`: say what each model of a folder is taken for, on a page; write what the library takes."""
 
 import base64
 import io

@@ -1,9 +1,4 @@
-"""MJCF (MuJoCo) files: what they include, and what is read of them.
-
-The files that an MJCF model is made of: what it includes, attaches and names, all of the user's folder.
-
-An MJCF file as MuJoCo compiles it, with no disk: it gets the files of the user's folder in memory.
-"""
+"""MJCF (MuJoCo) files: what they include, all of it in the user's folder, compiled in memory with no disk."""
 
 import os.path
 import resource

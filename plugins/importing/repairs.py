@@ -1,11 +1,4 @@
-"""What is mended of a user's model, and how its joints fare in the simulator.
-
-Repair masses and inertias that no model of this size has: placeholders of exporters become those of boards.
-
-Collision shapes of handles: where a convex hull closes the gap behind a handle, decompose its visual mesh.
-
-Physics checks of imported doors and drawers: links that touch when closed, joints that stick.
-"""
+"""What is mended of a user's model: masses, hulls that close a handle's gap; and how its joints move then."""
 
 from dataclasses import replace
 from pathlib import Path

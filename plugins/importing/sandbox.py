@@ -1,12 +1,4 @@
-"""Files of others: no path leads out of the user's folder, and what crashes does so in a process of its own.
-
-Read the files of the user's folder, and no others.
-
-Work on files of others in a process of its own, with limits of time and memory: what hangs, floods or crashes its
-reader stops nothing else.
-
-Names and categories of models, as the names of files and folders say.
-"""
+"""Files of others: in the user's folder alone, in a process of its own that stops nothing else; their names."""
 
 import gc
 import json

@@ -1,7 +1,4 @@
-"""A generated scene about one of its objects: furniture, floor and walls, in the robot's way and behind its work.
-
-Places for the robot's base in a room, and what is in its way there.
-"""
+"""A generated scene about one of its objects: furniture in the robot's way, and where its base may stand."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
-"""A Panda before one articulated model in MuJoCo: a second simulator, which shares no physics with ManiSkill.
+"""A Panda before one articulated model in MuJoCo, and pictures of it: depth, and what is seen at each pixel.
 
-Contacts, friction and drives are as MuJoCo has them; models are written as MJCF, the robot is read from its URDF.
-
-Pictures of a MuJoCo model without a window: depth, and what is seen at each pixel.
+It shares no physics with ManiSkill: contacts, friction and drives are as MuJoCo has them.
 """
 
 import tempfile

@@ -1,7 +1,4 @@
-"""Jobs that a killed workflow left in SLURM's queue.
-
-Whose a folder is: the line that a running workflow writes into its lock file and hands to its jobs.
-"""
+"""Jobs that a killed workflow left in SLURM's queue, known by the line that it wrote into its folder's lock."""
 
 import os
 import re

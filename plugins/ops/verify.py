@@ -1,7 +1,4 @@
-"""Command `verify`: is every finished file what the run recorded of it?
-
-Finished files of a run: which there are, which are no longer what was written, and what makes them anew.
-"""
+"""Command `verify`: which finished files are no longer what the run recorded, and what makes them anew."""
 
 import base64
 import os

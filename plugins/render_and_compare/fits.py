@@ -1,7 +1,4 @@
-"""Candidates fitted to one object: every way that one may stand, rendered in place and compared.
-
-How well a rendered candidate agrees with the object, term by term: outline, depth, lines, color, proportions.
-"""
+"""Candidates in an object's place, in every way that it may stand, rendered and compared with it term by term."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

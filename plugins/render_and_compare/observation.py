@@ -1,9 +1,4 @@
-"""An object's part of a picture on a small grid of rays: the given side of every comparison.
-
-The ends of an object from the noisy cloud that a depth camera has of it.
-
-How an object may stand, by what is known besides its picture: its front, the walls that it touches, its box.
-"""
+"""The given side of every comparison: an object on a small grid of rays, its ends, and how it may stand."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

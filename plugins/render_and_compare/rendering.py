@@ -1,7 +1,4 @@
-"""A candidate in an object's place, rendered on the cells of the object's observation.
-
-Models of the library with their textures, and what rays see of them.
-"""
+"""A model of the library with its textures, in an object's place, rendered on the cells of its observation."""
 
 from dataclasses import dataclass
 from pathlib import Path

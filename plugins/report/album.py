@@ -1,7 +1,4 @@
-"""Pictures for a page, scaled down and embedded in the HTML.
-
-Small pictures of the library's assets, turned as matching chose.
-"""
+"""Pictures for a page, scaled down and embedded in the HTML; of assets turned as matching chose."""
 
 import base64
 import io

@@ -1,7 +1,4 @@
-"""Random variants of a room: places, camera, colors and models are sampled until every object is seen well.
-
-Place the camera at the least distance from which it sees all objects.
-"""
+"""Random variants of a room: sampled until the camera, at the least distance, sees every object well."""
 
 import colorsys
 import zlib

@@ -1,9 +1,4 @@
-"""Models for all objects of a room, and their poses (paper B.1).
-
-Poses follow from the recipe and the sizes of the models, stretched to the scale of the room.
-
-Choose a model for every item of the rooms by seed; no model stands in two rooms (paper B.1).
-"""
+"""Models for all items of a room, none of them in two rooms, and their poses at the room's scale (paper B.1)."""
 
 import sys
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,4 @@
-"""Build a cast room in the simulator and take its picture.
-
-Robustness variant of a room: other colors, light and model sizes (perturbation `recoloured`).
-"""
+"""Build a cast room in the simulator, as it is or in other colors, light and sizes, and take its picture."""
 
 import zlib
 from collections.abc import Mapping

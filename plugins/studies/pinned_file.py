@@ -1,7 +1,4 @@
-"""Committed files of a target's assets: a table with a row per asset, or the `assets.json` that a run wrote.
-
-Committed files of assets that targets name: they are there, and are about the target.
-"""
+"""Committed files of a target's assets (a row per asset, or a run's `assets.json`): there, and about that target."""
 
 import csv
 import io

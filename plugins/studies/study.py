@@ -1,7 +1,4 @@
-"""The parts of a study's page: facts about the run, its tables in Markdown, what it cost.
-
-How far a study has come: policies that were rolled out, of those that it asks for.
-"""
+"""A study's page: how far the study has come, facts about the run, its tables in Markdown, what it cost."""
 
 import os
 from collections.abc import Iterable

@@ -1,7 +1,4 @@
-"""Requests to a chat endpoint by the client `openai`, which waits while the server is busy; failures are sorted.
-
-Whether a text holds a key in an encoding: a ledger that is shared must not.
-"""
+"""Requests to a chat endpoint by the client `openai`: failures sorted, and no key in what is written down."""
 
 import base64
 import codecs

@@ -1,7 +1,4 @@
-"""A question: text and pictures in their order, its digest, and the messages that a chat endpoint gets.
-
-From the reply of a chat endpoint to a checked answer.
-"""
+"""A question to a chat endpoint (text and pictures in order, digest, messages), and the checked answer in the reply."""
 
 import base64
 import json

@@ -1,7 +1,4 @@
-"""Which joint of an asset a task opens: one of a part type, with a handle that a gripper can hold (paper A.4).
-
-The extents of a handle, from the shape of what its joint moves: no rays, no simulator.
-"""
+"""Which joint of an asset a task opens (paper A.4): one of a part type, with a handle that a gripper can hold."""
 
 import math
 from pathlib import Path

@@ -1,7 +1,4 @@
-"""Asset folders: write one, whole or not at all; the checksum that all of them carry.
-
-Part types of joints: doors, drawers and buttons, with their handles.
-"""
+"""Asset folders: parts of their joints with handles, a checksum, written whole or not at all."""
 
 import hashlib
 import shutil

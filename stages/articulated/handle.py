@@ -1,7 +1,4 @@
-"""Find the handle of a door or drawer by ray casting (paper A.4).
-
-Attributes of a door or drawer, measured: kind of handle, hinge side, position and extents of the front.
-"""
+"""The handle of a door or drawer, found by ray casting (paper A.4); its kind, hinge side, extents of the front."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,4 @@
-"""A resolver for trimesh: the pictures and materials that a mesh file names, confined to the user's folder.
-
-Find the files that a model's file names, confined to the user's folder.
-"""
+"""The files that a model's file names, confined to the user's folder; for trimesh, too."""
 
 import os.path
 import unicodedata

@@ -1,8 +1,6 @@
-"""An articulation in memory, as a URDF describes it: links with meshes, joints between them, one tree.
+"""An articulation in memory, as a URDF describes it: one tree of links with meshes; its frames and its closed box.
 
 Metres, radians, kilograms; every link's meshes lie in its own frame, as in a URDF.
-
-Where the links are: frames, the closed box, and the same thing seen from another root frame.
 """
 
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,4 @@
-"""The same asset at another size: models that have a recipe are made again by their maker, others are stretched.
-
-An articulation at another size: every extent scaled by its own factor, at constant density.
-"""
+"""An asset at another size: made again by its recipe's maker, else each extent scaled, at constant density."""
 
 import hashlib
 import json

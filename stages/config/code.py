@@ -1,7 +1,4 @@
-"""A digest of the code behind a module, so that Snakemake re-runs what an edit touches and nothing else.
-
-The provenance of a file, to be kept in it: the same code, options, inputs and seed give the same bytes.
-"""
+"""The provenance of a file: digests of inputs and of the code behind a module: an edit re-runs what it touches."""
 
 import ast
 import hashlib

@@ -1,7 +1,4 @@
-"""The parameters of a rule that runs a command: its line, the digest of its code, the check of what it wrote.
-
-Defaults that follow the size of the library: `null` in `assets.shards` and `matching`.
-"""
+"""The parameters of a rule that runs a command: defaults by the library's size, line, code, the check after it."""
 
 import shlex
 from collections.abc import Mapping

@@ -1,8 +1,6 @@
-"""Config files, and the command line that names them: mistakes are reported before Snakemake reads them.
+"""Config files, named on a command line: mistakes are told before Snakemake reads them; images of containers.
 
 Snakemake ends with a traceback, or names no file. `profiles/default`, which it always reads first, calls `check`.
-
-Config section `containers`: the images that rules can run in.
 """
 
 import json

@@ -1,7 +1,4 @@
-"""Names of implementations in the config: checked, and qualified so that stages can load them.
-
-Config section `stages`: commands of stages that are replaced by the user's own.
-"""
+"""Names of implementations and of the user's own commands (`stages`) in the config: checked and qualified."""
 
 from collections.abc import Sequence
 from typing import Annotated, Any, TypeVar

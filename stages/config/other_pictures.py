@@ -1,7 +1,4 @@
-"""Results that were made of another picture than the one that has their scene's name now.
-
-What a person did to the pictures of a run: where it is.
-"""
+"""What a person did to the pictures of a run, and results of another picture than the one that has their name now."""
 
 from collections.abc import Iterator
 from functools import cache, partial

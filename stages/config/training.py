@@ -1,9 +1,4 @@
-"""Config section `training`: how policies are trained (paper B.3).
-
-The words of tables for policies, by the config: their kinds in words, what is pooled, how they see test assets.
-
-Config section `demonstrations`: the Open skill and the collection of its successes (paper A.4, A.5).
-"""
+"""Sections `demonstrations` (paper A.4, A.5) and `training` (B.3), and the words of tables for what they make."""
 
 from typing import TYPE_CHECKING, Annotated, ClassVar
 

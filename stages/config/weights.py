@@ -1,7 +1,4 @@
-"""The published weights of networks: which, whose, where they lie, and whether they are here.
-
-Variants of matching whose published weights are not here: a run goes on without them.
-"""
+"""The published weights of networks: which, whose, where they lie; variants that lack theirs are left out."""
 
 import hashlib
 from collections.abc import Sequence

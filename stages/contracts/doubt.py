@@ -1,9 +1,4 @@
-"""What a result says of itself: where it comes from, and what a person should look at.
-
-The provenance of a file: digests of code, options and inputs.
-
-Doubts about an object of a scene that a person can mend. All else that is odd is a note.
-"""
+"""What a result says of itself: where it comes from (digests), and the doubts that a person can mend."""
 
 import re
 from enum import Enum, unique

@@ -1,9 +1,4 @@
-"""Demonstrations as files: the ledger of attempts, and the HDF5 store of those that worked.
-
-Files with one JSON document per line: attempts.jsonl of demonstrations, metrics.jsonl of training.
-
-episodes.h5: demonstrations in robomimic's layout.
-"""
+"""Demonstrations as files: attempts.jsonl, a document a line, and episodes.h5, in robomimic's layout."""
 
 from dataclasses import dataclass
 from functools import partial

@@ -1,9 +1,4 @@
-"""The arrays beside a library: snapshots of its models, and the features of an encoder.
-
-A shard of snapshots: pictures in HDF5 with a JSON sidecar.
-
-Contract of a feature store: the rows, and the JSON index beside them.
-"""
+"""Arrays beside a library: snapshots of its models (HDF5 with a JSON sidecar), an encoder's rows with their index."""
 
 from pathlib import Path
 from typing import Any

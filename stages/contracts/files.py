@@ -1,8 +1,6 @@
-"""Read and write the files that pass between stages: validated, atomic, byte-for-byte repeatable.
+"""Files that pass between stages: read, written (validated, atomic, byte for byte repeatable), and their checksums.
 
-Checksums of finished results: what `roomkin ops verify` holds them against.
-
-One small file for each, in a tree of its own: results/.checksums/<path below results>.
+A checksum is one small file in a tree of its own: results/.checksums/<path below results>.
 """
 
 import codecs

@@ -1,9 +1,4 @@
-"""A generated scene as files, and how it looks: light, floor, walls.
-
-`look.json`: how the room of a picture looks, as `pictures scenes` estimates it and the exports read it.
-
-Contract of the `generation` stage: `scene.json`, one per cousin rank.
-"""
+"""A generated scene: `scene.json`, one per cousin rank; `look.json`, its light, floor and walls."""
 
 import math
 from collections.abc import Iterable

@@ -1,9 +1,4 @@
-"""What a person says: `corrections.json` beside a scene's input, and the folders of what was drawn and corrected.
-
-Contract of `corrections.json`, beside a scene's input: what a person says otherwise than the stages found.
-
-A person's work on pictures, corrections.json and project.json: which picture it is of, and where it is kept.
-"""
+"""What a person says: `corrections.json` beside a scene's input, `project.json`, and where this work is kept."""
 
 import json
 import os

@@ -1,7 +1,4 @@
-"""Read the pictures that a stage is given, in one way everywhere: upright as a viewer shows them, 8-bit RGB.
-
-Read depth images: metres along the optical axis; millimetres are recognised, what is neither is refused.
-"""
+"""Pictures and depth as stages are given them: upright 8-bit RGB; metres along the axis, millimetres recognised."""
 
 import colorsys
 import warnings

@@ -1,9 +1,4 @@
-"""The library of models as files: parts that are joined, folders of models, or their archive.
-
-Shards of a library: those that it is made in, and parts of whole categories that a picture alone asks for.
-
-Libraries on disk: an index of models, and beside it zip archives that hold a folder per model.
-"""
+"""The library of models on disk: an index beside zip archives with a folder per model, in parts that are joined."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, partial

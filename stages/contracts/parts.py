@@ -1,9 +1,7 @@
-"""The kinds of moving parts that all else knows: of what joint, how far they move, how they open.
+"""The kinds of moving parts (of what joint, how far they move, how they open), and how they lie on a front.
 
 A part type is what GAPartNet (Geng et al., CVPR 2023) calls a hinge door, a slider drawer, a slider button. Every part
 is closed at the lower limit of its joint and opens towards the upper one. What moves otherwise stays fixed.
-
-The layout of doors and drawers on the front of a thing.
 """
 
 import re

@@ -1,11 +1,4 @@
-"""What a policy is trained on and how, as the config and the files between stages say it (paper B.3).
-
-Options of a task's environment, as section `task` of the config and every episodes.h5 hold them.
-
-Names of training sets and of the roles whose demonstrations make them up: read and written here alone.
-
-How a policy is trained, as `training.configs` of the config and a trained policy hold it (paper B.3).
-"""
+"""What a policy is trained on and how (paper B.3): section `task`, training sets, `training.configs`."""
 
 import re
 from typing import Any, ClassVar, Literal, NamedTuple

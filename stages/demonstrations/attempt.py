@@ -1,11 +1,7 @@
-"""One attempt at a demonstration: place, plan, run the skill, record.
-
-Disturbances to recover from: a hand that is pushed off its path, or closes before it is at the handle.
+"""One attempt at a demonstration: place, plan, run the skill under disturbances, record (robomimic's layout).
 
 What is executed differs from what the skill asks for, and it is the latter that is recorded: as with noise (DART,
 Laskey et al. 2017), the data shows what to do in states that a policy's own mistakes lead to, never the mistakes.
-
-episodes.h5: successful episodes in robomimic's layout.
 """
 
 import json

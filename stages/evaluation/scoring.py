@@ -1,7 +1,4 @@
-"""One generated scene against the truth, object by object (paper B.1, Table 2).
-
-Similarity of two models in shape and in doors, drawers and handles, whatever their size.
-"""
+"""One generated scene against the truth, object by object (paper B.1, Table 2): boxes, shapes, doors, handles."""
 
 from collections import Counter
 from collections.abc import Mapping

@@ -1,7 +1,4 @@
-"""The episodes of an evaluation: pairs of an asset and the seed of an initial state.
-
-Rows of `evaluation` on disk.
-"""
+"""The episodes of an evaluation, pairs of an asset and the seed of an initial state, and its rows on disk."""
 
 import csv
 import sys

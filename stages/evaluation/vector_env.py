@@ -1,7 +1,4 @@
-"""The assets of an experiment in environments, and policies acting there.
-
-Episodes of a policy, several environments in step, each with an asset of its own.
-"""
+"""Episodes of a policy: several environments in step, each with an asset of its own."""
 
 import tempfile
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,4 @@
-"""Which assets are cousins of the twin, and which one is dissimilar (paper B.4, Table 3).
-
-The assets of the library that a task can open, with the size and place of their fronts and handles.
-"""
+"""Assets that a task can open, by their fronts: which are cousins of the twin, which is dissimilar (paper B.4)."""
 
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path

@@ -1,7 +1,4 @@
-"""Estimate the error of depth from the planes in the picture: floor and walls are flat, their measured depth is not.
-
-Remove depth of reflections: a mirror or a window shows things that seem to lie behind its wall.
-"""
+"""Depth that is wrong: reflections are removed, and the error is estimated from floor and walls, which are flat."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple

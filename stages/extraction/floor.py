@@ -1,9 +1,4 @@
-"""The floor frame of a picture, and the walls of its room (paper A.3).
-
-The frame is given and compared with the floor that is seen, or fitted; and depth that is noise.
-
-The walls of a room: fitted to their masks, and found where nobody named one; parts of one wall are merged (A.3).
-"""
+"""The floor frame of a picture, given or fitted, and the walls of its room, merged where they are one (paper A.3)."""
 
 import numpy as np
 from numpy.typing import NDArray

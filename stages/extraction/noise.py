@@ -1,11 +1,9 @@
-"""Depth noise model: the errors of estimated depth that the paper names (A.7), and two that it does not.
+"""The input of reconstruction: a picture with depth, under a model of the errors that estimated depth has (A.7).
 
 In this order: near and far depth run into each other at outlines ("artifacts near object
 boundaries"); a smooth relative error grows towards the border ("and the image periphery"); range
 noise with sigma(z) = a + b z^2, correlated over a few pixels; one factor on the whole picture,
 because a single image does not fix its scale. Unknown pixels (0) stay unknown.
-
-The input of reconstruction: a picture with depth, masks and annotations.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,4 @@
-"""Push overlapping things apart in the x-y plane (paper A.3): by the shortest way, whole stacks at once, with a cap.
-
-At which height a thing comes to rest in another: a can in a bowl. The paper (A.3) only moves things sideways.
-"""
+"""Push things apart that overlap (paper A.3), by the shortest way, whole stacks at once; or let one rest in another."""
 
 from dataclasses import dataclass, field, replace
 from itertools import combinations, product

@@ -1,8 +1,6 @@
-"""Models of the library as generation needs them: at the size of an object, as meshes, and as what collides.
+"""Models of the library as generation needs them: sized, as meshes and what collides, in the picture's colors.
 
 In the asset frame, every joint closed. Asset folders never change: their names are keys of their content.
-
-The colors that a picture shows of its objects, and models of the library in them: `finish: picture`.
 """
 
 from collections.abc import Iterable

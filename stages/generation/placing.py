@@ -1,7 +1,4 @@
-"""One model in the place of one object: turned, sized and mounted; not yet on its support (paper A.3, A.7).
-
-Choose the cousin that represents each object in the scene of a rank; a person's choice comes first.
-"""
+"""Which cousin represents an object, a person's choice first, and it in its place: turned, sized, mounted (A.3)."""
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,4 @@
-"""A generated scene as a file: write it, sum it up in one line, read it again.
-
-Doubts about a placed object: its size, its place, its support. The kinds of doubts: `contracts.doubt`.
-"""
+"""A generated scene as a file: doubts about its objects, written, summed up in one line, read again."""
 
 import math
 from collections.abc import Mapping

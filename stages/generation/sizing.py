@@ -1,17 +1,13 @@
 """Extents of a model: fitted to all that is known of its object, or measured as in the paper (A.7).
 
-The box in which a model agrees best with all that is known of an object: seen, bounded, usual.
-
 Least squares over the center and the logarithms of the extents, every term in its own standard deviations:
-* seen: the outline in the picture, and the object's points on the model's surface along their rays, or nearest to it
-  where their rays miss it;
+* seen: the outline in the picture, and the object's points on the model's surface along their rays (cast at it
+  in the unit box), or nearest to it where their rays miss it;
 * bounded: an outline that the picture cuts or something nearer hides ends there or later;
 * usual: the extents of the category's models, and the model's own proportions;
 * the room: the height of what carries it, walls that it touches, walls that nothing reaches behind.
 What is seen of another thing than it is (a mask without legs, a chair of other arms) is no Gaussian error, so that
 terms count as Cauchy's.
-
-A model of the library in the unit box, to cast rays at: that needs no Vulkan, and a few milliseconds.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,7 +1,4 @@
-"""Supports and heights: the 70 % rule (paper A.3), on top of a thing and not in front of it.
-
-Support surfaces: that of a thing which carries another, and where on it the other stands firmly.
-"""
+"""Supports and heights: the 70 % rule (paper A.3), and where on another thing one stands firmly."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

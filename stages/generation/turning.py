@@ -1,7 +1,4 @@
-"""Yaw of a model from the matched view, the object's cloud and its walls (paper A.7, A.3).
-
-Fit boxes to walls: what touches a wall ends at it, and nothing reaches into one (paper A.3).
-"""
+"""Yaw of a model from the matched view, the cloud and the walls; boxes end at walls they touch (paper A.7, A.3)."""
 
 from collections.abc import Sequence
 from dataclasses import replace

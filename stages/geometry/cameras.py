@@ -1,7 +1,4 @@
-"""Pinhole camera: intrinsics, back-projection, projection. Camera frame x right, y down, z forward.
-
-Yaw of an asset in the floor frame and as the camera sees it.
-"""
+"""Pinhole camera, x right, y down, z forward: intrinsics, back-projection, projection, yaw as it is seen."""
 
 from dataclasses import dataclass, field
 from functools import cached_property

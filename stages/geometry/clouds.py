@@ -1,8 +1,6 @@
-"""Point clouds as (N, 3) arrays, by Open3D: outliers, clusters, farthest points. Same points, same answer.
+"""Point clouds as (N, 3) arrays, by Open3D: outliers, clusters, farthest points, the upright minimum box (paper A.7).
 
 What Open3D does not do as well as this project's own code (planes, upright boxes, patch normals): docs/extraction.md.
-
-The z-aligned minimum box of a cloud (paper A.7, orientation refinement).
 """
 
 import numpy as np

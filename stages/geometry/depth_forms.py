@@ -1,11 +1,4 @@
-"""What a depth image may hold besides metres along the axis: marks, inverses, distances along rays.
-
-Values of a depth image that stand for unknown depth, not for a distance.
-
-Whether a depth image holds depth, a z-buffer, or disparity, as relative networks and stereo give it.
-
-Conversion of distances along rays, as many simulators write them, to depth along the optical axis.
-"""
+"""What a depth image may hold besides metres along the axis: marks, z-buffers, disparity, distances along rays."""
 
 from typing import Any
 

@@ -1,9 +1,4 @@
-"""Masks of an image (H, W): bounds, polygons, and the pixels that can be trusted (paper A.7).
-
-The outline of a mask as its ends along many directions of the picture, and how far the thing may go on unseen.
-
-One object in one picture, and its crop: what every patch encoder starts from.
-"""
+"""Masks of an image (H, W): bounds, polygons, pixels to trust (paper A.7), ends, crops for encoders."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

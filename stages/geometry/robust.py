@@ -1,7 +1,4 @@
-"""Robust least squares: terms in their own standard deviations, which count as Cauchy's where they may be far off.
-
-How the points of a surface lie, as a depth camera has them.
-"""
+"""Robust least squares, terms in their own deviations, some counted as Cauchy's; how points of a surface lie."""
 
 from collections.abc import Callable
 from typing import NamedTuple

@@ -1,7 +1,4 @@
-"""Planes by seeded RANSAC and least squares: floor (or table top), the floor frame, and walls (paper 2.1, A.3).
-
-Which way is up in a picture with depth: the direction for which most surfaces are level or upright.
-"""
+"""Which way is up in a picture with depth; floor, its frame, and walls by seeded RANSAC (paper 2.1, A.3)."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

@@ -1,7 +1,4 @@
-"""Solids: mass and inertia of links whose files state none, as if they were made of boards; outermost points.
-
-Points on and in triangle meshes, always the same ones, as `trimesh.sample` draws them with one seed.
-"""
+"""Solids: mass and inertia as of boards, outermost points, and points on and in meshes, always the same."""
 
 from collections.abc import Iterable, Sequence
 from functools import cache, lru_cache

@@ -1,9 +1,4 @@
-"""The cousins of one object, as the judges decide on models and orientations, or by distance (paper A.6, B.1).
-
-Whether cousins have as many doors and drawers as were stated for the object.
-
-Things that are alike get the same models: four chairs at a table, each half hidden, are seen better together.
-"""
+"""The cousins of one object, as judges or distance decide (paper A.6, B.1); things alike get the same models."""
 
 from collections.abc import Callable
 

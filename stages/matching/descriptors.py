@@ -1,9 +1,4 @@
-"""What an encoder without a network sees of a picture: colors, and normals of its surfaces.
-
-Mean color of patches, in CIELAB: stored beside every encoder's features, compared if `colour` gives it a weight.
-
-Surface normals of patches from depth, in a frame that two views of one shape share.
-"""
+"""What an encoder without a network sees of patches: mean colors in CIELAB, and surface normals from depth."""
 
 import cv2
 import numpy as np

@@ -1,10 +1,8 @@
-"""What is known of an object besides its looks, as addends to the distance of a model: label, size, counts, place.
+"""What is known of an object besides its looks, as addends to a model's distance: label, size, counts, fronts, place.
 
 None of it is in the paper; every addend has a weight, and weight 0 leaves it out. Size and place use that the rooms of
 this workflow are furnished with models at about their own size and where they belong: docs/matching.md says how much
 of the figures that is.
-
-How far a model's doors and drawers are from where they were stated to lie on the front.
 """
 
 from collections.abc import Sequence

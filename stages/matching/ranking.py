@@ -1,7 +1,4 @@
-"""Rank models and orientations for one object by patch voting and by embedding distance (paper A.6, B.1).
-
-Top-k by iterated voting, and the embedding distance (paper A.6), both from one table of patch distances.
-"""
+"""Models and orientations of one object, ranked by iterated patch voting and by embedding distance (paper A.6, B.1)."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

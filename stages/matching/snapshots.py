@@ -1,7 +1,4 @@
-"""Reading the snapshots of the assets stage.
-
-Reading what extraction left of a scene: picture, masks, depth, and each object's view of them.
-"""
+"""What matching reads: snapshots of the assets, and a scene's picture, masks, depth, each object's view of them."""
 
 from collections.abc import Sequence
 from functools import cached_property

@@ -1,6 +1,4 @@
-"""The feature store: foreground patches of all snapshots, rows in a memory-mapped .npy with a JSON index.
-
-Smaller feature rows: principal components of the features, learned on the snapshots, one byte for every number.
+"""The feature store: patches of all snapshots, rows of bytes in a memory-mapped .npy with a JSON index.
 
 A row is read back as mean + (codes * steps) @ components, so whatever compares rows need not know. What is lost is
 measured in docs/results/matching.md.

@@ -1,7 +1,4 @@
-"""Plans to open or close a joint by its handle (paper A.4): Approach, Converge, Articulate.
-
-Grasps of a handle, the preferred ones first (paper A.4).
-"""
+"""Grasps of a handle, preferred ones first, and plans to move its joint: Approach, Converge, Articulate (paper A.4)."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,4 @@
-"""Clearance of the arm: spheres on arm and hand against points on the surfaces around it.
-
-Paths of the hand: straight lines, the path that opens or closes a joint, and pursuit of a path by progress.
-"""
+"""Paths of the hand, and clearance on them: spheres on arm and hand against points on the surfaces around."""
 
 import itertools
 from collections.abc import Sequence

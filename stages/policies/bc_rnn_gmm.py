@@ -1,7 +1,4 @@
-"""BC-RNN-GMM: PointNet and proprioception -> LSTM -> MLP -> mixture of Gaussians (paper B.3).
-
-Gaussian mixture over actions, the output of BC-RNN-GMM (paper B.3).
-"""
+"""BC-RNN-GMM: PointNet and proprioception -> LSTM -> MLP -> mixture of Gaussians over actions (paper B.3)."""
 
 import math
 from collections.abc import Sequence

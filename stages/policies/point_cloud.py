@@ -1,6 +1,4 @@
-"""The base of our policies: clouds are encoded by the paper's PointNet (B.3).
-
-PointNet encoder of a cloud whose points carry a finger flag (paper B.3), with two exact savings.
+"""The base of our policies: clouds whose points carry a flag, encoded by the paper's PointNet (B.3), with two savings.
 
 1. The flag has two values, so its embedding e(flag) folds into the first layer:
    W [xyz, e(f)] + b = W_x xyz + t_0 + f (t_1 - t_0) with t_k = W_e e(k) + b. 131 inputs become 4. A third value, for

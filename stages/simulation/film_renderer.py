@@ -1,9 +1,7 @@
 """Pictures of the robot at work, for people: a lit room with a floor, and all of the scene in the picture.
 
-A renderer is a scene of its own; policies never see it. It has the Panda of `film_robot`: the policy's camera sees one
-of still fewer triangles.
-
-The stock Panda for films, with a fifth of its triangles: software rendering is bound by vertices.
+A renderer is a scene of its own; policies never see it. Its Panda has a fifth of its triangles, as software rendering
+is bound by vertices; the policy's camera sees one of still fewer.
 """
 
 import hashlib

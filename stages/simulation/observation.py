@@ -1,8 +1,7 @@
 """What the policy sees (paper B.3): proprioception and one cloud of object and finger points, robot base frame.
 
-Shaders for the policy's cameras: positions and entities alone.
-
-SAPIEN's `minimal` shaders also compute a lit color that no policy sees, which takes three times as long on a CPU.
+Its cameras render positions and entities alone: SAPIEN's `minimal` shaders compute a lit color as well, which takes
+three times as long on a CPU.
 """
 
 import hashlib

@@ -1,9 +1,4 @@
-"""The robot: ManiSkill's Panda with few triangles and end-effector pose controllers (paper B.3).
-
-End-effector pose controller: delta pose in the robot base axes, damped-least-squares IK, joint PD drives.
-
-Matrices as the batched poses that ManiSkill takes.
-"""
+"""ManiSkill's Panda with few triangles, moved by delta poses of the hand: IK, joint drives (paper B.3)."""
 
 import hashlib
 import xml.etree.ElementTree as ElementTree

@@ -1,8 +1,6 @@
-"""What a task may stand in, in the way of the robot and behind its work (the package `in_scene`: generated scenes).
+"""What a task may stand in (the package `in_scene`: generated scenes), and its episodes as poses and joint values.
 
-Episodes as poses and joint values: recording them costs nothing, and only what is shown is rendered.
-
-Floor and walls of a generated scene, as blocks in the simulator.
+Recording them costs nothing, and only what is shown is rendered.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,9 +1,4 @@
-"""The primitives of all skills: follow a path by pursuit, close and open the gripper, notice a miss, back off.
-
-The base of our skills: tries once, and again after a miss while there is time.
-
-The chain of skills that demonstrates a task.
-"""
+"""What all skills are made of: primitives (pursue a path, grip, notice a miss), tries again, chains of them."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable

@@ -1,11 +1,4 @@
-"""The figures of the paper, for scenes and policies, in one style.
-
-What the figures share: colors, a style, and files that are the same bytes every time.
-
-Figure 6: each room beside its reconstruction.
-
-Figures 4 and 9: success on test assets that are less and less like the twin.
-"""
+"""The figures of the paper in one style, the same bytes every time: 6 of scenes, 4 and 9 of policies."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager

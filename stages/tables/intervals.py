@@ -1,8 +1,7 @@
 """Intervals of success rates and of their differences: assets, initial states and runs resampled, crossed.
 
 A side is a table of successes: a row per policy, a column per place, that is an initial state on an asset of a family.
-
-Intervals of the tables. NaN: undefined, e.g. of one value.
+NaN: undefined, e.g. of one value.
 """
 
 from collections.abc import Sequence

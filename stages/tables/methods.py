@@ -1,6 +1,6 @@
-"""Policies of one method each. What differs in more than its seed is never averaged, but where rollouts chose (B.4).
+"""Policies of one method each, over one target or a pool of several.
 
-Pools of targets: what policies do on the objects of several rooms, as one row of the tables.
+What differs in more than its seed is never averaged, but where rollouts chose (B.4).
 """
 
 from collections.abc import Iterable, Mapping, Sequence

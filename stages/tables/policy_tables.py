@@ -1,7 +1,4 @@
-"""Table 3 as text.
-
-What tables of policies say below: what is pooled, and what policies are given that a real robot would not have.
-"""
+"""Table 3 as text, and what stands below tables of policies: what is pooled, what policies are given."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,4 @@
-"""Films of a task for people: what is recorded for them, and `render`.
-
-Domain randomisation of a task's object: its friction and mass, drawn with the episode.
-"""
+"""What tasks do besides the task: films for people, `render`; an object's friction and mass drawn by episode."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

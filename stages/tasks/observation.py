@@ -1,7 +1,4 @@
-"""The observation of a policy at each step, from the environment as from the stores (paper B.3).
-
-The depth cameras of a task (paper B.3): on the robot's base or on its hand, jittered by episode.
-"""
+"""The observation of a policy at each step, and the depth cameras on base or hand that it comes from (paper B.3)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,15 +1,11 @@
-"""Random translation and jitter of training sequences (paper B.3).
+"""Training sequences: which frames they are, what they see, moved and jittered at random (paper B.3).
 
 Random numbers are drawn on the host and carried to where the sequences are: the same ones on every device.
 
-Training sequences in which only the handle, of any form, tells where the hand must go (not in the paper).
-
 In every demonstration front and handle stay together, so a policy may as well go by the front's borders: here the
-front is shifted and stretched in its own plane, while handle, hand and actions stay. A knob is hidden by the fingers
-when they come near, and spreads them wider than a bar: here handles disappear near the hand, and grips are wider.
-docs/policies.md has what each brings. Clouds carry the flags of `handle_points`; metres, robot base frame.
-
-Training sequences: which frames they are, and the points that they see of them.
+front is shifted and stretched in its own plane, while handle, hand and actions stay (not in the paper). A knob is
+hidden by the fingers when they come near, and spreads them wider than a bar: here handles disappear near the hand, and
+grips are wider. docs/policies.md has what each brings. Clouds carry the flags of `handle_points`; metres, base frame.
 """
 
 from collections.abc import Sequence

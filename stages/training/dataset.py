@@ -1,6 +1,6 @@
-"""Demonstrations in memory: all frames once, in half precision; a training sequence is an index into them.
+"""Demonstrations in memory: all frames once, in half precision, with the handle and the plane of the front behind it.
 
-The handle in all frames of demonstrations, and the plane of the front behind it (docs/policies.md).
+A training sequence is an index into them.
 """
 
 import hashlib

@@ -1,8 +1,6 @@
-"""Everything an interrupted run needs to go on: weights, optimiser, best weights, the lines logged so far.
+"""The optimisation, its curves (metrics.jsonl; Weights & Biases, offline by default), and all that lets it go on.
 
-Training curves: metrics.jsonl, and optionally a Weights & Biases run (offline by default: no network, no key).
-
-The optimisation: a step is a function of weights, seed and step number, so that a resumed run equals a whole one.
+A step is a function of weights, seed and step number, so that a resumed run equals a whole one.
 """
 
 import json

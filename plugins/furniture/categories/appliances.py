@@ -1,9 +1,4 @@
-"""Kitchen and washing machines.
-
-Appliances: cabinets in metal or glass.
-
-Washing machines: a round door on the front, held by an arch at its free side.
-"""
+"""Fridges, microwaves, ovens, dishwashers: cabinets in metal or glass; and washing machines, with a round door."""
 
 from typing import Any, Literal
 

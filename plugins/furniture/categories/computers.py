@@ -1,7 +1,4 @@
-"""Monitors, keyboards and mice.
-
-Telephones and remote controls.
-"""
+"""Monitors, keyboards and mice; telephones and remote controls."""
 
 from collections.abc import Sequence
 from typing import Literal, cast

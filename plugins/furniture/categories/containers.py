@@ -1,7 +1,4 @@
-"""Bins and baskets.
-
-Suitcases and bags.
-"""
+"""Bins and baskets, suitcases and bags."""
 
 import itertools
 from typing import Literal

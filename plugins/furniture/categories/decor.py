@@ -1,7 +1,4 @@
-"""Televisions and pictures.
-
-Rugs and curtains.
-"""
+"""Televisions and pictures, rugs and curtains."""
 
 from typing import Literal
 

@@ -1,11 +1,4 @@
-"""Lamps, plants, and what is turned on a lathe.
-
-Bottles and vases: closed solids of revolution.
-
-Floor lamps and table lamps.
-
-Plants in pots.
-"""
+"""What is turned on a lathe: bottles and vases, lamps, plants in pots."""
 
 from typing import Literal
 

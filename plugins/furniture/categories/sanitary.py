@@ -1,9 +1,4 @@
-"""Radiators, and what stands in a bathroom.
-
-Radiators.
-
-Sinks and toilets.
-"""
+"""Radiators, sinks and toilets."""
 
 from dataclasses import replace
 from typing import Literal

@@ -1,11 +1,4 @@
-"""Armchairs, sofas, ottomans, cushions.
-
-Armchairs; the back is at -x.
-
-Sofas and armchairs; the back is at -x.
-
-Ottomans and cushions.
-"""
+"""Armchairs, sofas, ottomans, cushions; backs are at -x."""
 
 import itertools
 from typing import Any, Literal

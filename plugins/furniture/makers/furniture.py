@@ -1,7 +1,4 @@
-"""The maker of recipes for the core: a `roomkin.stages.articulated.resizing.Maker`.
-
-The same model in another finish: other colors and textures, the same geometry (perturbation `recoloured`).
-"""
+"""The maker of recipes for the core (`articulated.resizing.Maker`), and of models in other finishes (`recoloured`)."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence

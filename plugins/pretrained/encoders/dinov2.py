@@ -1,8 +1,6 @@
-"""Patch encoder `dinov2`: the last layer's normalised patch tokens (paper A.6).
+"""Patch encoder `dinov2` (paper A.6): the last layer's normalised patch tokens of DINOv2 (Oquab et al. 2023).
 
-DINOv2 (Oquab et al. 2023), a vision transformer: what each patch of a picture looks like, as a vector.
-
-Weights by the names of `transformers`: of a folder as on the hub, or of the published file that `fetch` brings.
+Weights are those of a folder as on the hub, or of the published file that `fetch` brings.
 """
 
 from pathlib import Path

@@ -1,7 +1,4 @@
-"""A row of the overview for every scene: its result, what failed and why, what is in doubt.
-
-Results of all stages for one picture under one variant of matching.
-"""
+"""A picture's results of all stages, and its row of the overview: what failed and why, what is in doubt."""
 
 import base64
 import re

@@ -1,10 +1,4 @@
-"""Wavefront OBJ: polygons of any shape, indices that count backwards, colors of corners, materials with transparency
-and pictures that are moved.
-
-MTL, the materials of OBJ files: color with transparency, one picture and where it lies.
-
-Triangles of polygons: a fan where the first corner sees all others, else ears are cut.
-"""
+"""Wavefront OBJ and its MTL: polygons of any shape in triangles, colors of corners, transparency, pictures."""
 
 import io
 import re

@@ -1,7 +1,4 @@
-"""The Pick skill (paper A.4): Move to a sampled grasp, Grasp, Lift.
-
-Grasps sampled on an object's cloud (paper A.4): antipodal pairs that a parallel gripper can close on.
-"""
+"""The Pick skill (paper A.4): Move to a grasp, Grasp, Lift; grasps are antipodal pairs on the object's cloud."""
 
 from dataclasses import dataclass
 

@@ -1,7 +1,4 @@
-"""The Place skill (paper A.4): Move to a sampled placement, Ungrasp, Lift.
-
-Places for an object inside another one: its surface, by rejection sampling (paper A.4).
-"""
+"""The Place skill (paper A.4): Move to a place inside another object, found by rejection sampling; Ungrasp, Lift."""
 
 import itertools
 

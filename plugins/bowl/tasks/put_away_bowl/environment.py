@@ -1,7 +1,4 @@
-"""The environment of Putting Away Bowl: a cabinet with a drawer and, before it, a bowl on a stand.
-
-The bowl: an asset folder, and how large it may be to go into a drawer.
-"""
+"""The environment of Putting Away Bowl: a bowl that fits, on a stand before a cabinet with a drawer."""
 
 import hashlib
 from collections.abc import Sequence
