@@ -182,7 +182,7 @@ def _make_input(root: Path, folder: Path, kind: str, entry: Path) -> tuple[Path,
     return ()
 
 
-def _count_panels(entry: Path, truth: pictures.Picture) -> None:
+def _count_panels(entry: Path, truth: pictures.PictureTruth) -> None:
     """What is left to people: how many doors and drawers things have."""
     path = entry / "annotations.json"
     document = read_json(Annotations, path)

@@ -642,6 +642,6 @@ def test_doors_are_told_of_true_things_and_not_of_pieces_that_were_split_off(tmp
     things = [Annotation(mask=1, label="fridge"), Annotation(mask=9, label="fridge")]
     write_json(tmp_path / "annotations.json", Annotations(objects=things))
     known = [SimpleNamespace(number=1, doors=2, drawers=0)]
-    run._count_panels(tmp_path, cast(pictures.Picture, SimpleNamespace(things=known)))
+    run._count_panels(tmp_path, cast(pictures.PictureTruth, SimpleNamespace(things=known)))
     told = read_json(Annotations, tmp_path / "annotations.json").objects
     assert [item.doors for item in told] == [2, 0]
