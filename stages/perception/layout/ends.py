@@ -228,7 +228,7 @@ class Supported(NamedTuple):
 
 
 def list_items(masks: NDArray[np.integer], labels: Mapping[int, str], inside: Mask) -> Supported:
-    """The things of masks (H, W).
+    """The things of masks (H, W); where nothing stands that only the floor carries, a table top may be the ground.
 
     Args:
         labels: of the things, by the values of their masks.
@@ -237,6 +237,8 @@ def list_items(masks: NDArray[np.integer], labels: Mapping[int, str], inside: Ma
     kinds = {value: kind_of(label) for value, label in labels.items()}
     ends = measure_all(masks, list(labels), inside)
     on = find_supports(masks, kinds, ends)
+    if all(holder in (WALL, NOWHERE) or "top" in kinds[value].places for value, holder in on.items()):
+        on = {value: FLOOR if holder == NOWHERE else holder for value, holder in on.items()}
     standing = [value for value in labels if on[value] not in (WALL, NOWHERE)]
     number, items = {value: number for number, value in enumerate(standing)}, {}
     for value in standing:

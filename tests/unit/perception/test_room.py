@@ -21,6 +21,7 @@ from roomkin.stages.perception.layout.ends import (
     find_open,
     find_supports,
     kind_of,
+    list_items,
     measure_all,
 )
 from roomkin.stages.perception.layout.fit import FitItem, Layout, choose_modes, list_modes
@@ -141,6 +142,14 @@ def test_what_only_stands_on_things_and_has_none_below_has_no_place() -> None:
     assert supports(masks, {1: "fridge", 4: "picture"}, ends) == {1: FLOOR, 4: WALL}
     room = find((1, 4))
     assert set(room.boxes) == {1} and "not seen" in room.left_out[4]
+
+
+def test_of_a_table_top_alone_that_is_the_ground() -> None:
+    """Nothing stands there that only the floor carries: mugs and a picture, whose table is no thing."""
+    masks, inside = outline_room((1, 4, 5)), ~find_border(show_room())
+    labels = {4: "mug", 5: "picture"}
+    assert list_items(masks, labels, inside).on == {4: FLOOR, 5: WALL}
+    assert list_items(masks, labels | {1: "fridge"}, inside).on == {1: FLOOR, 4: NOWHERE, 5: WALL}
 
 
 def test_nothing_stands_on_what_stands_on_it() -> None:
