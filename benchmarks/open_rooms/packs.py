@@ -19,6 +19,7 @@ from benchmarks.name_training.solids import JUNK
 from benchmarks.open_rooms.blend import Piece, read_pieces
 from roomkin.plugins.scorecard.naming import ThingNames, stated_kinds
 from roomkin.stages.contracts.categories import known_categories
+from roomkin.stages.geometry.frames import make_transform
 
 HERE = Path(__file__).parent
 HALVES = {
@@ -138,22 +139,29 @@ class PackModel:
         x, y, z = np.ptp(np.concatenate([part.vertices for part in self.parts]), axis=0)
         return float(x), float(y), float(z)
 
+    def find_obj(self) -> tuple[Path, NDArray[np.float64]]:
+        """Its OBJ, and how that is turned (4, 4), as the catalogue of Sweet Home 3D says."""
+        rotation = np.eye(4)
+        if self.pack in OBJS:
+            return next(self.folder.glob(OBJS[self.pack].format(self.name))), rotation
+        entry = catalogue(self.folder, self.pack)[self.name]
+        if "modelRotation" in entry:
+            rotation[:3, :3] = np.array(entry["modelRotation"].split(), dtype=float).reshape(3, 3)
+        return self.folder / CATALOGUES[self.pack][0] / entry["model"].lstrip("/"), rotation
+
     def _read_catalogued(self) -> list[PaintedMesh]:
         """Of Sweet Home 3D: the OBJ turned as its catalogue says and stretched to the size there."""
         entry = catalogue(self.folder, self.pack)[self.name]
-        path = self.folder / CATALOGUES[self.pack][0] / entry["model"].lstrip("/")
-        rotation = np.eye(4)
-        if "modelRotation" in entry:
-            rotation[:3, :3] = np.array(entry["modelRotation"].split(), dtype=float).reshape(3, 3)
-        parts = list(_obj(path, rotation))
+        parts = list(_obj(*self.find_obj()))
         points = np.concatenate([part.vertices for part in parts])
         stated = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
         scale = stated / np.ptp(points, axis=0)
         return [_transform_part(part, np.diag([*scale, 1.0])) for part in parts]
 
-    def _mjcf(self) -> list[PaintedMesh]:
-        """Of a MuJoCo file: what is seen of the body of that name, or else of its last tree, as it stands there."""
-        name, _, cut = self.name.split("/")[-1].partition(" ")
+    def load_mjcf(self) -> tuple[mujoco.MjModel, mujoco.MjData, set[int], NDArray[np.float64]]:
+        """Of a MuJoCo file: the world as it stands there, the body of the model's name, or else its last tree, with all
+        below it, and the axes (3, 3) of that body."""
+        name = self.name.split("/")[-1].partition(" ")[0]
         world = mujoco.MjModel.from_xml_path(str(self.folder / MJCF[self.pack].format(self.name, name)))
         data = mujoco.MjData(world)
         mujoco.mj_forward(world, data)
@@ -161,14 +169,18 @@ class PackModel:
         inside = {named if named > 0 else int(world.body_rootid[-1])}
         for child, parent in enumerate(world.body_parentid):
             inside |= {child} if parent in inside else set()
+        return world, data, inside, data.xmat[named].reshape(3, 3) if named > 0 else np.eye(3)
+
+    def _mjcf(self) -> list[PaintedMesh]:
+        """Of a MuJoCo file: what is seen of its bodies."""
+        world, data, inside, axes = self.load_mjcf()
+        cut = self.name.partition(" ")[2]
         types = SHAPES if self.pack in SOLIDS else {int(mujoco.mjtGeom.mjGEOM_MESH)}
         geoms = [g for g in range(world.ngeom) if world.geom_bodyid[g] in inside and world.geom_type[g] in types]
         seen = [g for g in geoms if world.geom_contype[g] == 0 and world.geom_conaffinity[g] == 0] or geoms
-        parts = [_geom(world, data, g) for g in seen]
-        if named > 0:
-            turn = np.eye(4)
-            turn[:3, :3] = data.xmat[named].reshape(3, 3).T
-            parts = [_transform_part(part, turn) for part in parts]
+        parts = [read_geom(world, data, g) for g in seen]
+        if not np.array_equal(axes, np.eye(3)):
+            parts = [_transform_part(part, make_transform(axes.T, np.zeros(3))) for part in parts]
         return parts if not cut else [part for whole in parts for part in _cut_part(whole, cut)]
 
     def _read_urdf(self) -> list[PaintedMesh]:
@@ -198,7 +210,8 @@ class PackModel:
         file, name = self.name.split("/")
         return [_convert_piece(piece) for piece in read_pieces(self.folder / BLENDS[self.pack].format(file), name)]
 
-    def _read(self) -> list[PaintedMesh]:
+    def read(self) -> list[PaintedMesh]:
+        """Its meshes as its file has them."""
         if self.pack in MJCF:
             return self._mjcf()
         if self.pack in BLENDS:
@@ -206,13 +219,13 @@ class PackModel:
         if self.pack in URDFS:
             return self._read_urdf()
         if self.pack in OBJS:
-            return list(_obj(next(self.folder.glob(OBJS[self.pack].format(self.name))), np.eye(4), ordered=False))
+            return list(_obj(*self.find_obj(), ordered=False))
         return self._read_catalogued()
 
 
 @lru_cache(maxsize=32)
 def _parts(model: PackModel) -> list[PaintedMesh]:
-    turn, parts = FRAMES[model.frame] @ np.diag([*[model.scale] * 3, 1.0]), model._read()
+    turn, parts = FRAMES[model.frame] @ np.diag([*[model.scale] * 3, 1.0]), model.read()
     return _stand_parts(parts if np.array_equal(turn, np.eye(4)) else [_transform_part(part, turn) for part in parts])
 
 
@@ -293,7 +306,8 @@ def _obj(path: Path, rotation: NDArray[np.float64], ordered: bool = True) -> Ite
         yield _transform_part(part, TO_OURS @ rotation)
 
 
-def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> PaintedMesh:
+def read_geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> PaintedMesh:
+    """A geom as it stands in the world."""
     points, normals, uv = SHAPES[world.geom_type[geom]](world, geom)
     turn = data.geom_xmat[geom].reshape(3, 3)
     material = world.geom_matid[geom]

@@ -5,6 +5,7 @@ import json
 import shutil
 import zipfile
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ import numpy as np
 import trimesh
 
 from benchmarks.open_rooms import packs, pictures, sensor
-from roomkin.plugins.scorecard.truth import PictureTruth, as_plain, with_opening
+from benchmarks.open_rooms.handles import find_handles
+from roomkin.plugins.scorecard.truth import HANDLES, PictureTruth, as_plain, with_opening
 from roomkin.stages.contracts import InputError, write_atomically, write_json, write_text
 from roomkin.stages.evaluation.scoring import DENSE, fill_cells
 
@@ -41,6 +43,7 @@ def publish(root: Path, halves: list[str]) -> None:
         truths = [publish_room(folder, data / half, models) for folder in pictures.folders(root, half)]
         used = sorted({thing.model for truth in truths for thing in truth.things})
         write_shapes(data / half / "shapes.npz", [models[name] for name in used])
+        write_handles(data / half / HANDLES, list(models.values()))
         write_text(data / half / "README.md", describe_set(half, truths))
     copy_licences(root / "packs/archives", data / "licences")
     write_json(data / "manifest.json", list_digests(data))
@@ -78,6 +81,12 @@ def write_shapes(path: Path, models: list[packs.PackModel]) -> None:
         cells[model.id] = np.packbits(fill_cells((points - low) / np.maximum(high - low, 1e-9)))
     with write_atomically(path) as file:
         np.savez_compressed(file, **cells)
+
+
+def write_handles(path: Path, models: list[packs.PackModel]) -> None:
+    """Where the handles of the models are, by id, as far as their sources name them."""
+    found = {model.id: find_handles(model) for model in models}
+    write_json(path, {name: [asdict(one) for one in handles] for name, handles in found.items() if handles})
 
 
 def describe_set(half: str, truths: list[PictureTruth]) -> str:

@@ -14,7 +14,7 @@ from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing, list_rooms,
 from roomkin.stages.contracts import write_json
 from roomkin.stages.contracts.categories import sizes_of
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.geometry.frames import invert_transform, transform_points, yaw_matrix
+from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
 
 MOVED = 0.05  # metres
 USUAL = (0.4, 0.4, 0.4)  # metres, of what nobody knows
@@ -80,7 +80,10 @@ def move_things(truth: PictureTruth, rng: np.random.Generator) -> Iterator[dict[
     for thing in truth.list_asked(drawn=False):
         step = yaw_matrix(rng.uniform(-np.pi, np.pi)) @ [MOVED - 1e-4, 0, 0]
         said = describe_thing(thing, np.array(thing.position) + step, thing.size, thing.yaw)
-        yield said | {"number": thing.number, "opens": list(thing.opens) if knows_hinges(thing.opens) else []}
+        opens = list(thing.opens) if knows_hinges(thing.opens) else []
+        pose = make_transform(yaw_matrix(thing.yaw), np.array(thing.position) + step)
+        handles = [transform_points(pose, handle.position).round(4).tolist() for handle in thing.handles]
+        yield said | {"number": thing.number, "opens": opens, "handles": handles}
 
 
 def guess_boxes(folder: Path, truth: PictureTruth) -> Iterator[dict[str, Any]]:

@@ -8,8 +8,9 @@ from roomkin.plugins.scorecard.scoring import RoomRow, ThingRow
 from roomkin.plugins.scorecard.shares import compare_shares, share, table
 from roomkin.plugins.scorecard.submission import About
 
-MEASURES = ["placed", "sensible", "size", "place", "facing", "carrier", "clear", "stands", "opens"]
-HEADING = ["method", "given beside the picture", "rooms", "things", *MEASURES, "L2 of what is placed, median (cm)",
+MEASURES = ["placed", "sensible", "size", "place", "facing", "carrier", "clear", "stands", "opens", "handle"]
+HEADING = ["method", "given beside the picture", "rooms", "things", *MEASURES, "*clear* and *stands* by",
+           "L2 of what is placed, median (cm)",
            "IoU of boxes, median", "IoU of shapes, median (of)", "extra things"]  # fmt: skip
 
 
@@ -32,11 +33,18 @@ def make_line(about: About, things: pd.DataFrame, rooms: pd.DataFrame) -> list[s
         f"{int((rooms['placed'] > 0).sum())} of {len(rooms)}",
         str(len(things)),
         *(share(things, measure) for measure in MEASURES),
+        describe_shapes(things),
         _median(things["off_place_cm"], 1),
         _median(things["iou"], 2),
         f"{shapes.median():.2f} ({len(shapes)})" if len(shapes) else "",
         str(int(rooms["extra"].sum())),
     ]
+
+
+def describe_shapes(things: pd.DataFrame) -> str:
+    """What stands for the things: boxes, meshes, or so many of either."""
+    meshes, placed = int(things["shaped"].sum()), int(things["placed"].sum())
+    return "boxes" if not meshes else "meshes" if meshes == placed else f"{meshes} meshes, {placed - meshes} boxes"
 
 
 def make_table(lines: list[list[str]]) -> str:

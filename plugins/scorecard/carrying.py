@@ -1,6 +1,6 @@
 """What carries what, and what is inside what, of boxes in the world."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from roomkin.plugins.scorecard.truth import TrueThing
 from roomkin.stages.geometry.boxes import UprightBox, corners, footprint
 
 ON, AT_WALL = 0.05, 0.10  # metres between a thing and what carries it, and the wall that it hangs on
-INSIDE = 0.02  # metres by which boxes may be in each other more than the true ones are
+INSIDE = 0.02  # metres by which things may be in each other more than the true ones are
 BELOW = 0.05  # metres by which a box may be under the floor
 
 
@@ -67,22 +67,30 @@ def measure_overlap(one: UprightBox, other: UprightBox) -> float:
 
 
 def find_inside(
-    boxes: Sequence[UprightBox], truth: Mapping[int, UprightBox]
+    boxes: Sequence[UprightBox],
+    truth: Mapping[int, UprightBox],
+    depths: NDArray[np.float64] | None = None,
+    pieces: Collection[int] = (),
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Overlaps (N, N) of boxes, metres, and which things are in something (N,).
+    """Overlaps (N, N) of things, metres, and which things are in something (N,).
 
-    A chair under its table and a pillow on a bed are in each other's boxes in truth: a pair counts by what it is more.
+    A chair under its table and a pillow on a bed are in each other's boxes in truth: a pair of which one is a box
+    counts by what it is more. Meshes are in nothing in truth.
 
     Args:
         boxes: submitted, in the world.
         truth: box of the true thing by place of the submitted one, of those that stand for one.
+        depths: (N, N) of `measure_depths`, for pairs of which one at least has a shape.
+        pieces: places of those that have one.
     """
     overlaps = np.zeros((len(boxes), len(boxes)))
     inside = np.array([box.bottom < -BELOW for box in boxes], dtype=bool)
     for i in range(len(boxes)):
         for j in range(i):
-            overlaps[i, j] = overlaps[j, i] = measure_overlap(boxes[i], boxes[j])
-            right = measure_overlap(truth[i], truth[j]) if i in truth and j in truth else 0.0
+            shaped = (i in pieces) + (j in pieces)
+            depth = measure_overlap(boxes[i], boxes[j]) if depths is None or not shaped else depths[i, j]
+            overlaps[i, j] = overlaps[j, i] = depth
+            right = measure_overlap(truth[i], truth[j]) if i in truth and j in truth and shaped < 2 else 0.0
             if overlaps[i, j] > right + INSIDE:
                 inside[[i, j]] = True
     return overlaps, inside

@@ -4,14 +4,15 @@ from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
-from roomkin.plugins.scorecard.truth import TrueThing
+from roomkin.plugins.scorecard.truth import TrueHandle, TrueThing
 from roomkin.stages.contracts.generated import RIGHT_MIN, RIGHT_SHARE
 from roomkin.stages.contracts.parts import HingeSide
 from roomkin.stages.geometry.boxes import UprightBox, corners
-from roomkin.stages.geometry.frames import angle_difference, wrap_angle
+from roomkin.stages.geometry.frames import angle_difference, wrap_angle, yaw_matrix
 
-PLACE = 0.05  # metres between true and found center
+PLACE = 0.05  # metres between true and found center, and between a true handle's box and a point on the found one
 YAW = np.deg2rad(15)
 FACING = 45  # degrees, modulo the thing's symmetry, within which a thing faces where it should
 MAX_BEHIND = 0.10  # metres behind a wall
@@ -40,6 +41,25 @@ def measure_overreach(box: UprightBox, room: tuple[float, float]) -> float:
     """How far a box reaches behind the walls of a room, metres."""
     points = corners(box)[:, :2]
     return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
+
+
+def are_handles_right(thing: TrueThing, points: NDArray[np.float64]) -> bool | None:
+    """Whether every door and drawer has a handle of its own among the points (N, 3), and no point is at none; None:
+    where the handles are is not known."""
+    if not thing.handles:
+        return None
+    off = np.array([measure_distances(thing.box, handle, points) for handle in thing.handles]) <= PLACE
+    panels = np.array([handle.panel for handle in thing.handles])
+    of_panel = np.array([off[panels == panel].any(axis=0) for panel in np.unique(panels)])
+    rows, columns = linear_sum_assignment(of_panel, maximize=True)
+    return bool(of_panel[rows, columns].sum() == len(of_panel) and off.any(axis=0).all())
+
+
+def measure_distances(box: UprightBox, handle: TrueHandle, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Metres of points (N, 3) to the box of a handle of what stands in `box`."""
+    own = (points - box.center) @ yaw_matrix(box.yaw)
+    beyond = np.abs(own - np.array(handle.position)) - np.array(handle.size) / 2
+    return np.asarray(np.linalg.norm(np.maximum(beyond, 0), axis=1))
 
 
 def knows_hinges(opens: tuple[str, ...]) -> bool:

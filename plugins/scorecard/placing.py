@@ -17,9 +17,10 @@ ROUNDS = 3  # of finding one scale and pairing by it
 
 @dataclass(frozen=True)
 class PlacedRoom:
-    """Boxes of a submission in the world, and the place of each true thing's, by number."""
+    """Boxes, and points on handles (N, 3), of a submission in the world; by number, the place of each true thing's."""
 
     boxes: list[UprightBox]
+    handles: list[NDArray[np.float64]]
     pairs: Mapping[int, int]
     scale: float
 
@@ -43,6 +44,7 @@ def place_room(room: SubmittedRoom, truth: PictureTruth, asked: Sequence[TrueThi
         UprightBox(transform_points(transform, thing.center), thing.size, wrap_angle(thing.yaw + turn))
         for thing in room.things
     ]
+    handles = [transform_points(transform, np.reshape(thing.handles, (-1, 3))) for thing in room.things]
     numbers = [thing.number for thing in room.things]
     eye, scale = truth.pose[:3, 3], 1.0
     pairs = pair_things(asked, boxes, numbers)
@@ -52,8 +54,9 @@ def place_room(room: SubmittedRoom, truth: PictureTruth, asked: Sequence[TrueThi
             pairs = pair_things(asked, [_resize(box, eye, scale) for box in boxes], numbers)
             scale = find_scale(asked, boxes, pairs, eye) or scale
         boxes = [_resize(box, eye, scale) for box in boxes]
+        handles = [eye + scale * (points - eye) for points in handles]
         pairs = pair_things(asked, boxes, numbers)
-    return PlacedRoom(boxes, pairs, scale)
+    return PlacedRoom(boxes, handles, pairs, scale)
 
 
 def find_scale(

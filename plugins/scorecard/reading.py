@@ -9,16 +9,26 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roomkin.plugins.scorecard.readers import acdc, generated, glb, mjcf
-from roomkin.plugins.scorecard.submission import About, RoomScene, Submission, SubmissionFile, SubmittedRoom
+from roomkin.plugins.scorecard.readers import acdc, generated, glb, mjcf, plain
+from roomkin.plugins.scorecard.submission import About, RoomScene, Submission, SubmissionFile
 from roomkin.stages.contracts.errors import InputError, explain, file_missing
 from roomkin.stages.contracts.files import first_error, read_json, read_text
 
 HEAD = "method.json"
-INSIDE = ("scene.json", "scene_1.json", "scene.glb", "scene.xml", "scene_0_info.json",
-          "step_3_output/scene_0/scene_0_info.json")  # fmt: skip
-READERS: Mapping[str, Callable[[Path, About], RoomScene]] = {".glb": glb.read, ".xml": mjcf.read}
+INSIDE = ("scene.json", "scene_1.json", "scene.glb", "scene.xml", "scene.usdc", "scene.usda", "scene.usd",
+          "scene_0_info.json", "step_3_output/scene_0/scene_0_info.json")  # fmt: skip
 TEMPLATE = "see docs/results/scorecard.md"
+
+
+def _read_usd(path: Path, about: About) -> RoomScene:
+    from roomkin.plugins.scorecard.readers import usd  # half a second, and a package that others may lack
+
+    return usd.read(path, about)
+
+
+READERS: Mapping[str, Callable[[Path, About], RoomScene]] = {
+    ".glb": glb.read, ".xml": mjcf.read, ".usd": _read_usd, ".usda": _read_usd, ".usdc": _read_usd,
+}  # fmt: skip
 
 
 def read_submission(path: Path, rooms: Iterable[str]) -> Submission:
@@ -26,7 +36,7 @@ def read_submission(path: Path, rooms: Iterable[str]) -> Submission:
 
     Args:
         path: a JSON file, or a folder: method.json, and by the name of each room ROOM.json, ROOM.glb, ROOM.xml (MuJoCo)
-            or a folder of that name with scene.json, scene.glb, scene.xml or what the authors' code writes.
+            or ROOM.usdc, or a folder of that name with scene.json, scene.glb, ... or what the authors' code writes.
         rooms: names of the rooms of the set; others are left.
 
     Raises:
@@ -41,7 +51,7 @@ def read_submission(path: Path, rooms: Iterable[str]) -> Submission:
     whole = read_json(SubmissionFile, path, TEMPLATE)
     about = About(**{name: getattr(whole, name) for name in About.model_fields})
     given = {room: whole.rooms[room] for room in rooms if room in whole.rooms}
-    return _collect(about, given, lambda document: RoomScene(_check_room(document)))
+    return _collect(about, given, lambda document: plain.read(document, path.parent))
 
 
 def _collect(about: About, sources: Mapping[str, Any], read: Callable[[Any], RoomScene]) -> Submission:
@@ -94,8 +104,4 @@ def read_room(path: Path, about: About) -> RoomScene:
         return acdc.read(document)
     if isinstance(document, dict) and {"floor_from_camera", "objects"} <= document.keys():
         return generated.read(path, about)
-    return RoomScene(_check_room(document))
-
-
-def _check_room(document: Any) -> SubmittedRoom:
-    return SubmittedRoom.model_validate(document)
+    return plain.read(document, path.parent)

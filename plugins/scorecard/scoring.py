@@ -13,6 +13,7 @@ from roomkin.plugins.scorecard.measures import (
     MAX_BEHIND,
     PLACE,
     YAW,
+    are_handles_right,
     is_size_right,
     knows_hinges,
     measure_overreach,
@@ -21,7 +22,8 @@ from roomkin.plugins.scorecard.measures import (
 )
 from roomkin.plugins.scorecard.naming import is_sensible
 from roomkin.plugins.scorecard.placing import PlacedRoom, place_room
-from roomkin.plugins.scorecard.standing import find_standing
+from roomkin.plugins.scorecard.solids import cut_solids, fill_solid
+from roomkin.plugins.scorecard.standing import find_standing, measure_depths
 from roomkin.plugins.scorecard.submission import Cells, RoomScene, Submission
 from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing, read_truth
 from roomkin.stages.geometry.boxes import oriented_iou
@@ -31,7 +33,7 @@ from roomkin.stages.geometry.boxes import oriented_iou
 class ThingRow:
     """A thing that was asked for. None: not asked of it, or the submission has no such thing.
 
-    status: ok, missed, or unread (its room could not be read).
+    status: ok, missed, or unread (its room could not be read). shaped: `clear` and `stands` are about its mesh.
     """
 
     rooms: str
@@ -54,6 +56,8 @@ class ThingRow:
     clear: bool = False
     stands: bool = False
     opens: bool | None = None
+    handle: bool | None = None
+    shaped: bool = False
     shape: float | None = None
     iou: float | None = None
     off_depth_cm: float | None = None
@@ -106,8 +110,10 @@ def make_missing(truth: PictureTruth, thing: TrueThing, status: str, asked: Sequ
     """The row of a thing that the submission lacks: wrong in all that is asked of it."""
     turns = None if thing.symmetry == "full" else False
     carried = is_carrier_right(thing, "", {}, [one.number for one in asked])
-    opens = False if knows_hinges(thing.opens) else None
-    return ThingRow(**_name(truth, thing), status=status, yaw=turns, facing=turns, carrier=carried, opens=opens)
+    opens, handle = (False if asked else None for asked in (knows_hinges(thing.opens), thing.handles))
+    return ThingRow(
+        **_name(truth, thing), status=status, yaw=turns, facing=turns, carrier=carried, opens=opens, handle=handle
+    )
 
 
 def _name(truth: PictureTruth, thing: TrueThing) -> dict[str, Any]:
@@ -124,8 +130,9 @@ def score_room(
     numbers = [thing.number for thing in asked]
     true_boxes = {placed.pairs[thing.number]: thing.box for thing in asked if thing.number in placed.pairs}
     supports = list_supports(scene.room.things, placed.boxes, truth.size)
-    overlaps, inside = find_inside(placed.boxes, true_boxes)
-    stands = find_standing(placed.boxes, supports, overlaps)
+    pieces = cut_solids(scene.solids, placed.boxes)
+    overlaps, inside = find_inside(placed.boxes, true_boxes, measure_depths(placed.boxes, pieces), pieces)
+    stands = find_standing(placed.boxes, supports, overlaps, pieces)
     for thing in asked:
         place = placed.pairs.get(thing.number)
         if place is None:
@@ -137,7 +144,7 @@ def score_room(
         off = float(np.linalg.norm(box.center - np.array(thing.position)))
         turn = measure_turn(thing, box.yaw)
         behind = measure_overreach(box, truth.size) > MAX_BEHIND
-        cells, true_cells = scene.cells.get(place), shapes.get(thing.model)
+        solid, true_cells = scene.solids.get(place), shapes.get(thing.model)
         yield ThingRow(
             **_name(truth, thing),
             status="ok",
@@ -152,7 +159,9 @@ def score_room(
             clear=not inside[place] and not behind,
             stands=bool(stands[place]),
             opens=sorted(given.opens) == sorted(thing.opens) if knows_hinges(thing.opens) else None,
-            shape=None if cells is None or true_cells is None else measure_shape(cells, true_cells),
+            handle=are_handles_right(thing, placed.handles[place]),
+            shaped=place in pieces,
+            shape=None if solid is None or true_cells is None else measure_shape(fill_solid(solid), true_cells),
             iou=round(oriented_iou(box, thing.box), 3),
             off_depth_cm=round(100 * float(errors[0]), 1),
             off_width_cm=round(100 * float(errors[1]), 1),

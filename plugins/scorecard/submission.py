@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
+from trimesh import Trimesh
 
 from roomkin.stages.contracts.files import Contract, Document
 from roomkin.stages.contracts.parts import HingeSide
@@ -27,6 +28,8 @@ class SubmittedThing(Contract):
     number: MaskValue | None = Field(None, description="its value in the masks that were given")
     support: Text | None = Field(None, description="'floor', 'wall', or the place of another in this list, as text")
     opens: list[HingeSide] = Field([], description="a word a door: the side it is hinged at; 'slide': a drawer")
+    mesh: Text | None = Field(None, description="path of a GLB or OBJ beside the JSON; stretched into the box")
+    handles: list[Position] = Field([], max_length=50, description="a point on each handle, in the frame of `center`")
 
 
 class SubmittedRoom(Contract):
@@ -78,11 +81,11 @@ class RoomScene:
 
     Attributes:
         room: its things.
-        cells: by place in the list, what is filled of a thing's box, (24, 24, 24) along its own axes.
+        solids: by place in the list, a thing's surface around the middle of its box, which it fills in any unit.
     """
 
     room: SubmittedRoom
-    cells: Mapping[int, Cells] = field(default_factory=dict)
+    solids: Mapping[int, Trimesh] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

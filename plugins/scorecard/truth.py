@@ -15,13 +15,26 @@ from roomkin.stages.contracts.errors import InputError, file_missing, suggest_ne
 from roomkin.stages.contracts.files import first_error, read_text
 from roomkin.stages.geometry.boxes import UprightBox
 
+HANDLES = "handles.json"
+
+
+@dataclass(frozen=True)
+class TrueHandle:
+    """The box of a handle, in the frame of its thing's box: its center and its extents. `panel`: a number for each door
+    or drawer of the thing, in no order; one may have two handles."""
+
+    panel: int
+    position: tuple[float, float, float]
+    size: tuple[float, float, float]
+
 
 @dataclass(frozen=True)
 class TrueThing:
     """A thing of a picture as it really is. `number` is its value in masks; `support`: floor, wall, or a number.
 
     `named`: a person would outline and name it, so that it is asked for. `opens` has a word per door (the side it is
-    hinged at, sideways, unknown) and drawer (slide); `handle` is bar, knob, edge or empty.
+    hinged at, sideways, unknown) and drawer (slide); `handle` is bar, knob, edge or empty. `handles`: where they are,
+    if the model's source names one for each door and drawer.
     """
 
     number: int
@@ -44,6 +57,7 @@ class TrueThing:
     named: bool
     opens: tuple[str, ...] = ()
     handle: str = ""
+    handles: tuple[TrueHandle, ...] = ()
 
     @property
     def box(self) -> UprightBox:
@@ -77,17 +91,22 @@ class PictureTruth:
 
 
 def read_truth(path: Path) -> PictureTruth:
-    """A truth.json.
+    """A truth.json, and what handles.json of its set says of the same models.
 
     Raises:
         InputError: it is missing, or is none.
     """
     try:
-        return TypeAdapter(PictureTruth).validate_json(read_text(path))
+        picture = TypeAdapter(PictureTruth).validate_json(read_text(path))
+        beside = path.parents[1] / HANDLES
+        text = read_text(beside) if beside.is_file() else "{}"
+        handles = TypeAdapter(dict[str, tuple[TrueHandle, ...]]).validate_json(text)
     except ValidationError as error:
         mend = "make the rooms again: python -m benchmarks.open_rooms make DIR"
         what = f"is no truth of a room: {first_error(error)}."
         raise InputError(path, what, mend, code="E-CONTRACT-BROKEN") from None
+    things = [replace(thing, handles=handles.get(thing.model, ())) for thing in picture.things]
+    return replace(picture, things=things)
 
 
 def list_rooms(data: Path, rooms: str) -> list[Path]:
@@ -121,5 +140,5 @@ def with_opening(picture: PictureTruth, opens: dict[str, tuple[tuple[str, ...], 
 
 
 def as_plain(picture: PictureTruth) -> Any:
-    """The truth as plain data."""
-    return TypeAdapter(PictureTruth).dump_python(picture, mode="json")
+    """The truth as plain data; handles are told by model, beside it."""
+    return TypeAdapter(PictureTruth).dump_python(picture, mode="json", exclude={"things": {"__all__": {"handles"}}})

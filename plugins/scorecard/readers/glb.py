@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 
 from roomkin.plugins.scorecard.readers.solid import describe_solid
-from roomkin.plugins.scorecard.submission import About, Cells, RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.submission import About, RoomScene, SubmittedRoom
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.geometry.cameras import OPENGL
 from roomkin.stages.geometry.frames import Y_UP, invert_transform
@@ -33,7 +33,7 @@ def read(path: Path, about: About) -> RoomScene:
     for child, parent in graph.transforms.parents.items():
         tree.setdefault(parent, []).append(child)
     z_up = invert_transform(Y_UP)
-    things, cells = list[dict[str, Any]](), dict[int, Cells]()
+    things, solids = list[dict[str, Any]](), dict[int, trimesh.Trimesh]()
     camera = np.eye(4)
     for node in sorted(_list_things(tree, str(graph.base_frame), graph.nodes_geometry)):
         pose = z_up @ graph.get(node)[0]
@@ -51,7 +51,7 @@ def read(path: Path, about: About) -> RoomScene:
         if not meshes or ROOM.fullmatch(node) or about_node.get("surface"):
             continue
         name = str(about_node.get("category") or about_node.get("label") or node)
-        thing, cells[len(things)] = describe_solid(name, meshes, pose[:3, :3])
+        thing, solids[len(things)] = describe_solid(name, meshes, pose[:3, :3])
         things.append(thing)
     if not things:
         raise InputError(path.name, "has no node that is a thing.", "a node below the root for each", code="E-FORMAT")
@@ -62,7 +62,7 @@ def read(path: Path, about: About) -> RoomScene:
         "scale": "metric" if metric else "free",
         "things": things,
     }
-    return RoomScene(SubmittedRoom.model_validate(room), cells)
+    return RoomScene(SubmittedRoom.model_validate(room), solids)
 
 
 def _list_things(tree: dict[str, list[str]], root: str, shown: list[str]) -> list[str]:

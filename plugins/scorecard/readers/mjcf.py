@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import trimesh
 
 from roomkin.plugins.scorecard.readers.solid import describe_solid
-from roomkin.plugins.scorecard.submission import About, Cells, RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.submission import About, RoomScene, SubmittedRoom
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_text
 from roomkin.stages.geometry.cameras import OPENGL
@@ -38,7 +38,7 @@ def read(path: Path, about: About) -> RoomScene:
     if camera < 0:
         raise InputError(path.name, "has no camera called 'camera'.", "add that of the picture", code="E-FORMAT")
     view = make_transform(data.cam_xmat[camera].reshape(3, 3), data.cam_xpos[camera])
-    things, cells = list[dict[str, Any]](), dict[int, Cells]()
+    things, solids = list[dict[str, Any]](), dict[int, trimesh.Trimesh]()
     for body in range(1, world.nbody):
         if world.body_parentid[body]:
             continue
@@ -47,11 +47,11 @@ def read(path: Path, about: About) -> RoomScene:
         meshes = [mesh for geom in seen if (mesh := _read_geom(world, data, geom)) is not None]
         if meshes:
             name = (mujoco.mj_id2name(world, mujoco.mjtObj.mjOBJ_BODY, body) or "thing").partition("/")[0]
-            thing, cells[len(things)] = describe_solid(name, meshes, data.xmat[body].reshape(3, 3))
+            thing, solids[len(things)] = describe_solid(name, meshes, data.xmat[body].reshape(3, 3))
             things.append(thing)
     room = {"frame": "floor", "floor_from_camera": (view @ OPENGL).tolist(), "things": things}
     room["scale"] = "metric" if {"depth", "length"} & {*about.given} else "free"
-    return RoomScene(SubmittedRoom.model_validate(room), cells)
+    return RoomScene(SubmittedRoom.model_validate(room), solids)
 
 
 def check_confined(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""A thing as points of its surface: its box along its own axes, and what of it is filled."""
+"""A thing as a surface: its box along its own axes, and that surface in it."""
 
 from typing import Any
 
@@ -6,8 +6,6 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from roomkin.plugins.scorecard.submission import Cells
-from roomkin.stages.evaluation.scoring import DENSE, fill_cells
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 Floats = NDArray[np.float64]
@@ -26,8 +24,10 @@ def find_yaw(rotation: Floats) -> float:
     return float(np.arctan2(front[1], front[0]))
 
 
-def describe_solid(name: str, meshes: list[trimesh.Trimesh], rotation: Floats) -> tuple[dict[str, Any], Cells]:
-    """A thing for a submission, and its filled cells.
+def describe_solid(
+    name: str, meshes: list[trimesh.Trimesh], rotation: Floats
+) -> tuple[dict[str, Any], trimesh.Trimesh]:
+    """A thing for a submission, and its surface in the frame of its box.
 
     Args:
         meshes: its parts, in a frame with z up, metres.
@@ -35,9 +35,9 @@ def describe_solid(name: str, meshes: list[trimesh.Trimesh], rotation: Floats) -
     """
     yaw = find_yaw(rotation)
     turn = yaw_matrix(yaw)
-    whole = trimesh.util.concatenate(meshes).apply_transform(make_transform(turn.T, np.zeros(3)))
+    bare = [trimesh.Trimesh(mesh.vertices, mesh.faces, process=False) for mesh in meshes]
+    whole = trimesh.util.concatenate(bare).apply_transform(make_transform(turn.T, np.zeros(3)))
     low, high = whole.bounds
-    points = np.asarray(trimesh.sample.sample_surface(whole, DENSE, seed=0)[0])
     size = np.maximum(high - low, THIN)
     thing = {"name": name, "center": (turn @ ((low + high) / 2)).tolist(), "size": size.tolist(), "yaw": yaw}
-    return thing, fill_cells((points - low) / size)
+    return thing, whole.apply_translation(-(low + high) / 2)

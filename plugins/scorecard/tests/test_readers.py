@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from roomkin.plugins.scorecard import placing, reading, scoring
+from roomkin.plugins.scorecard import placing, reading, scoring, solids
 from roomkin.plugins.scorecard.readers import mjcf, solid
 from roomkin.plugins.scorecard.submission import Submission
 from roomkin.plugins.scorecard.tests.rooms import CABINET, HEAD, MUG, POSE, TABLE, TRUTH
 from roomkin.plugins.scorecard.truth import TrueThing
+from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.cameras import OPENGL
 from roomkin.stages.geometry.frames import Y_UP, invert_transform, make_transform, yaw_matrix
 from tests.refusals import refused
@@ -65,7 +66,7 @@ def test_a_glb_of_nodes(tmp_path: Path, upright: str, camera: bool) -> None:
     assert len(submission.rooms["toy_room_1"].room.things) == 3, "the floor is none"
     if camera:
         check(submission)
-        assert submission.rooms["toy_room_1"].cells[0].all()  # a box is filled
+        assert solids.fill_solid(submission.rooms["toy_room_1"].solids[0]).all()  # a box is filled
     else:
         placed = placing.place_room(submission.rooms["toy_room_1"].room, TRUTH, TRUTH.list_asked(drawn=False))
         assert {number: round(float(np.linalg.norm(placed.boxes[place].center - thing.position)), 3)
@@ -154,7 +155,8 @@ def test_what_the_paper_s_authors_code_writes(tmp_path: Path) -> None:
         ("toy_room_1.json", b'{"cam_pose": 3, "objects": {}}', "another form"),
         ("toy_room_1.glb", b"glTF", ""),
         ("toy_room_1.xml", b"<mujoco/>", "no camera called 'camera'"),
-        ("toy_room_1.usd", b"PXR", "has a format that is not read. Fix: one of JSON, GLB, XML"),
+        ("toy_room_1.usd", b"PXR", ""),
+        ("toy_room_1.blend", b"PXR", "has a format that is not read. Fix: one of JSON, GLB, XML, USD"),
     ],
 )
 def test_what_cannot_be_read_is_told_by_room(tmp_path: Path, name: str, content: bytes, told: str) -> None:
@@ -171,3 +173,121 @@ def test_the_front_of_a_thing_is_found_by_its_upright_axis() -> None:
     assert solid.find_yaw(yaw_matrix(0.7)) == pytest.approx(0.7)
     gltf = invert_transform(Y_UP)[:3, :3]
     assert solid.find_yaw(gltf) == pytest.approx(-np.pi / 2)  # glTF's z is our -y
+
+
+CHAIR = trimesh.util.concatenate([
+    trimesh.creation.box((0.4, 0.4, 0.04)).apply_translation((0, 0, 0.02)),
+    trimesh.creation.box((0.04, 0.4, 0.4)).apply_translation((-0.18, 0, 0.2)),
+])  # fmt: skip
+GLTF = Y_UP @ make_transform(yaw_matrix(-np.pi / 2), np.zeros(3))  # y up, front +z
+
+
+def write_thing(folder: Path, mesh: str) -> Submission:
+    """A room of a chair with a mesh, in one file."""
+    thing = {"name": "chair", "center": [1, 1, 1], "size": [0.8, 0.4, 0.4], "mesh": mesh}
+    room = {"frame": "camera", "things": [thing]}
+    (folder / "mine.json").write_text(json.dumps(HEAD | {"rooms": {"toy_room_1": room}}))
+    return reading.read_submission(folder / "mine.json", ["toy_room_1"])
+
+
+@pytest.mark.parametrize("kind", ["glb", "obj"])
+def test_a_thing_may_name_its_mesh(tmp_path: Path, kind: str) -> None:
+    own = CHAIR.copy().apply_transform(GLTF) if kind == "glb" else CHAIR.copy()
+    text = own.export(file_type=kind)
+    data = text if isinstance(text, bytes) else f"mtllib /etc/passwd\n{text}".encode()
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / f"meshes/chair.{kind}").write_bytes(data)
+    read = write_thing(tmp_path, f"meshes/chair.{kind}")
+    assert read.unread == {}
+    solid = read.rooms["toy_room_1"].solids[0]
+    assert solid.extents == pytest.approx([0.4, 0.4, 0.4]) and solid.bounds.sum() == pytest.approx(0)
+    filled = solids.fill_solid(solid)
+    assert filled[0, 12, 20] and not filled[20, 12, 20] and filled[20, 12, 0]  # its back is behind, its seat below
+    hulls = np.concatenate(solids.cut_solid(solid, UprightBox((1, 1, 1), (0.8, 0.4, 0.4), 0.3)))
+    assert np.ptp(hulls, axis=0) == pytest.approx([0.8, 0.4, 0.4], abs=0.01)  # stretched into the box
+
+
+@pytest.mark.parametrize(
+    ("mesh", "told"),
+    [
+        ("../secret.obj", "lies outside the submission's folder"),
+        ("link/secret.obj", "lies outside"),
+        ("/etc/passwd", "lies outside"),
+        ("..\\\\secret.obj", "lies outside"),
+        ("missing.glb", "is no GLB or OBJ"),
+        ("chair.ply", "is no GLB or OBJ"),
+        ("broken.obj", "has no mesh"),
+        ("broken.glb", "has no mesh"),
+    ],
+)
+def test_a_mesh_that_is_elsewhere_or_broken_is_told(tmp_path: Path, mesh: str, told: str) -> None:
+    (tmp_path / "secret.obj").write_text("v 0 0 0")
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "link").symlink_to(tmp_path)
+    for name in ("broken.obj", "broken.glb", "chair.ply"):
+        (folder / name).write_text("v 0 0 0")
+    assert told in write_thing(folder, mesh).unread["toy_room_1"]
+
+
+def write_usd(folder: Path, up: str = "Z", unit: float = 1.0) -> Path:
+    """The room as a stage: a cube, a cylinder, a mesh."""
+    from pxr import Gf, Usd, UsdGeom
+
+    path = folder / "toy_room_1.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageUpAxis(stage, up)
+    UsdGeom.SetStageMetersPerUnit(stage, unit)
+    base = np.diag([*[1 / unit] * 3, 1]) @ (np.eye(4) if up == "Z" else Y_UP)
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/World").GetPrim())
+
+    def place(prim: Any, pose: Any) -> None:
+        UsdGeom.Xformable(prim).AddTransformOp().Set(Gf.Matrix4d((base @ pose).T.tolist()))
+
+    box = trimesh.creation.box(CABINET.size)
+    for thing in (TABLE, MUG, CABINET):
+        top = UsdGeom.Xform.Define(stage, f"/World/thing_{thing.number}")
+        top.GetPrim().SetCustomDataByKey("category", NAMES[thing.label])
+        place(top, pose_of(thing))
+        at = f"/World/thing_{thing.number}/visual"
+        if thing is TABLE:
+            cube = UsdGeom.Cube.Define(stage, at)
+            cube.CreateSizeAttr(1.0)
+            UsdGeom.Xformable(cube).AddScaleOp().Set(Gf.Vec3f(*thing.size))
+        elif thing is MUG:
+            tube = UsdGeom.Cylinder.Define(stage, at)
+            tube.CreateRadiusAttr(0.05)
+            tube.CreateHeightAttr(0.1)
+        else:
+            mesh = UsdGeom.Mesh.Define(stage, at)
+            mesh.CreatePointsAttr(box.vertices.tolist())
+            mesh.CreateFaceVertexCountsAttr([3] * len(box.faces))
+            mesh.CreateFaceVertexIndicesAttr(box.faces.ravel().tolist())
+        guide = UsdGeom.Cube.Define(stage, f"/World/thing_{thing.number}/collision")  # larger, and not shown
+        guide.CreatePurposeAttr("guide")
+    UsdGeom.Cube.Define(stage, "/World/floor")
+    place(UsdGeom.Camera.Define(stage, "/World/camera"), POSE @ OPENGL)
+    stage.GetRootLayer().Save()
+    return path
+
+
+@pytest.mark.parametrize(("up", "unit"), [("Z", 1.0), ("Y", 0.01)])
+def test_a_usd_stage(tmp_path: Path, up: str, unit: float) -> None:
+    write_usd(tmp_path, up, unit)
+    submission = read(tmp_path)
+    check(submission)
+    assert len(submission.rooms["toy_room_1"].room.things) == 3, "the floor is none"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'def "a" (references = @../secret.usda@) {}',
+        'def "a" (payload = @other.usda@) {}',
+        'def "a" (clips = {dictionary default = {asset[] assetPaths = [@/etc/passwd@]}}) {}',
+    ],
+)
+def test_a_usd_stage_of_several_files_is_refused(tmp_path: Path, line: str) -> None:
+    path = write_usd(tmp_path)
+    path.write_text(f"{path.read_text()}\n{line}\n")
+    assert "names other layers" in read(tmp_path).unread["toy_room_1"]

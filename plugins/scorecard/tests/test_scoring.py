@@ -5,23 +5,27 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
-from roomkin.plugins.scorecard import carrying, naming, pairing, placing, scoring
+from roomkin.plugins.scorecard import card, carrying, measures, naming, pairing, placing, scoring
 from roomkin.plugins.scorecard.scoring import ThingRow
 from roomkin.plugins.scorecard.submission import About, RoomScene, Submission, SubmittedRoom
 from roomkin.plugins.scorecard.tests.rooms import CABINET, HEAD, MUG, POSE, TABLE, TRUTH, room, say
+from roomkin.plugins.scorecard.truth import PictureTruth, TrueHandle
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 
 RIGHT = ["placed", "sensible", "size", "place", "carrier", "clear", "stands"]
 
 
-def score(document: dict[str, Any], cells: Any = None, shapes: Any = None) -> dict[str, ThingRow]:
+def score(
+    document: dict[str, Any], solids: Any = None, shapes: Any = None, truth: PictureTruth = TRUTH
+) -> dict[str, ThingRow]:
     """Rows by label."""
-    scene = RoomScene(SubmittedRoom.model_validate(document), cells or {})
-    asked = TRUTH.list_asked(drawn=False)
-    placed = placing.place_room(scene.room, TRUTH, asked)
-    return {row.label: row for row in scoring.score_room(TRUTH, asked, scene, placed, shapes or {})}
+    scene = RoomScene(SubmittedRoom.model_validate(document), solids or {})
+    asked = truth.list_asked(drawn=False)
+    placed = placing.place_room(scene.room, truth, asked)
+    return {row.label: row for row in scoring.score_room(truth, asked, scene, placed, shapes or {})}
 
 
 def test_the_truth_is_right_in_everything_that_is_asked() -> None:
@@ -72,6 +76,49 @@ def test_a_fault_is_found_where_it_is(said: dict[str, Any], wrong: set[str]) -> 
 def test_a_fault_of_what_stands_at_a_wall_and_opens_is_found(said: dict[str, Any], wrong: set[str]) -> None:
     row = score(room(say(CABINET, **said)))["cupboard"]
     assert {name for name in [*RIGHT, "opens"] if not getattr(row, name)} == wrong
+
+
+@pytest.mark.parametrize(
+    ("points", "right"),
+    [
+        ([(0.0, -0.2, 0.1), (0.0, 0.2, 0.1)], True),
+        ([(0.0, 0.2, -0.2), (0.03, -0.23, 0.1)], True),  # along a bar, and beside a knob
+        ([(0.0, 0.2, 0.1), (0.0, 0.2, 0.3)], False),  # both at one door
+        ([(0.0, -0.2, 0.1)], False),
+        ([(0.0, -0.2, 0.1), (0.0, 0.2, 0.1), (0.0, 0.0, 0.1)], False),  # one at none
+        ([(0.0, -0.2, 0.1), (0.0, -0.1, 0.1), (0.0, 0.2, 0.1)], True),  # a drawer with two knobs
+        ([(0.06, -0.2, 0.1), (0.0, 0.2, 0.1)], False),
+        ([], False),
+    ],
+)
+def test_every_door_has_a_handle_near_the_true_one(points: list[tuple[float, float, float]], right: bool) -> None:
+    turned = replace(CABINET, yaw=np.pi / 2, handles=(
+        TrueHandle(0, (0.31, -0.2, 0.1), (0, 0, 0)), TrueHandle(0, (0.31, -0.1, 0.1), (0, 0, 0)),
+        TrueHandle(1, (0.31, 0.2, 0.1), (0.02, 0.02, 0.6)),
+    ))  # fmt: skip
+    own = np.reshape(points, (-1, 3)) + np.array([0.31, 0, 0])
+    world = own @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]] + turned.position
+    assert measures.are_handles_right(turned, world) is right
+    assert measures.are_handles_right(CABINET, world) is None
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.5])
+def test_handles_are_scored_in_every_frame(scale: float) -> None:
+    known = replace(CABINET, handles=(TrueHandle(0, (0.31, 0.25, 0.0), (0.02, 0.02, 0.2)),))
+    truth = replace(TRUTH, things=[TABLE, known])
+    camera = invert_transform(POSE)
+    things = []
+    for thing in truth.things:
+        handles = [transform_points(camera, thing.position + np.array([0.31, 0.25, 0.04]))] if thing.opens else []
+        center = scale * transform_points(camera, thing.position)
+        said = say(thing, center=center.tolist(), size=(scale * np.array(thing.size)).tolist())
+        things.append(said | {"handles": [(scale * point).tolist() for point in handles]})
+    document = {"frame": "camera", "scale": "metric" if scale == 1 else "free", "things": things}
+    rows = score(document, truth=truth)
+    assert rows["cupboard"].handle is True and rows["dining table"].handle is None
+    things[1].pop("handles")
+    assert score(document, truth=truth)["cupboard"].handle is False
+    assert score({"frame": "camera", "things": []}, truth=truth)["cupboard"].handle is False
 
 
 def test_the_camera_s_frame_says_the_same_as_the_floor_s() -> None:
@@ -149,9 +196,9 @@ def test_names_are_compared_by_their_words(name: str) -> None:
 
 
 def test_shapes_are_compared_cell_by_cell() -> None:
-    full, half = np.ones((24, 24, 24), bool), np.ones((24, 24, 24), bool)
+    full, half = trimesh.creation.box(TABLE.size), np.ones((24, 24, 24), bool)
     half[:, :, 12:] = False
-    rows = score(room(say(TABLE)), {0: half}, {"m_table": full})
+    rows = score(room(say(TABLE)), {0: full}, {"m_table": half})
     assert rows["dining table"].shape == 0.5 and rows["cup"].shape is None
 
 
@@ -160,3 +207,61 @@ def test_what_was_drawn_over_is_not_asked_of_who_was_told_the_drawn_masks() -> N
     assert [thing.number for thing in truth.list_asked(drawn=True)] == [1, 3]
     assert [thing.number for thing in truth.list_asked(drawn=False)] == [1, 2, 3]
     assert Submission(About(**HEAD), {}, {}).rooms == {}
+
+
+def frame_of(size: tuple[float, float, float]) -> trimesh.Trimesh:
+    """A table's top on four legs, in the frame of its box."""
+    x, y, z = np.array(size) / 2
+    top = trimesh.creation.box((2 * x, 2 * y, 0.04)).apply_translation((0, 0, z - 0.02))
+    legs = [
+        trimesh.creation.box((0.05, 0.05, 2 * z)).apply_translation((a * (x - 0.025), b * (y - 0.025), 0))
+        for a in (-1, 1)
+        for b in (-1, 1)
+    ]
+    return trimesh.util.concatenate([top, *legs])
+
+
+def test_what_is_under_a_table_is_in_its_box_and_not_in_its_mesh() -> None:
+    under = say(CABINET, center=[2.0, 2.0, 0.3], size=[0.4, 0.4, 0.6])
+    boxes = score(room(say(TABLE), under))["dining table"]
+    assert not boxes.clear and not boxes.shaped
+    legs, box = frame_of(TABLE.size), trimesh.creation.box((0.4, 0.4, 0.6))
+    for meshes in ({0: legs}, {0: legs, 1: box}):
+        row = score(room(say(TABLE), under), meshes)["dining table"]
+        assert row.clear and row.stands and row.shaped
+    higher = say(CABINET, center=[2.0, 2.0, 0.45], size=[0.4, 0.4, 0.9])
+    assert not score(room(say(TABLE), higher), {0: legs, 1: box})["dining table"].clear  # through the top
+
+
+def test_a_mesh_stands_on_its_legs_and_a_box_on_all_of_it() -> None:
+    lame = trimesh.creation.box((0.05, 0.05, 0.8)).apply_translation((0.37, 0.67, 0))
+    lame = trimesh.util.concatenate([trimesh.creation.box((0.8, 1.4, 0.04)).apply_translation((0, 0, 0.38)), lame])
+    assert score(room(say(TABLE)))["dining table"].stands
+    assert not score(room(say(TABLE)), {0: lame})["dining table"].stands
+    assert score(room(say(TABLE), say(MUG)), {0: frame_of(TABLE.size)})["cup"].stands
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0])
+def test_meshes_grow_with_their_boxes(scale: float) -> None:
+    camera = invert_transform(POSE)
+    things = []
+    for thing in (TABLE, MUG, CABINET):
+        center = scale * transform_points(camera, thing.position)
+        things.append(say(thing, center=center.tolist(), size=(scale * np.array(thing.size)).tolist()))
+    document = {"frame": "camera", "scale": "metric" if scale == 1 else "free", "things": things}
+    rows = score(document, {0: frame_of(TABLE.size)})
+    assert all(row.clear and row.stands for row in rows.values())
+
+
+def test_what_has_no_volume_stands_as_its_box() -> None:
+    flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    row = score(room(say(TABLE)), {0: flat})["dining table"]
+    assert row.stands and not row.shaped
+
+
+def test_a_row_says_what_stands_for_the_things() -> None:
+    rows = score(room(say(TABLE), say(CABINET)), {0: frame_of(TABLE.size)})
+    table = card.frame_things(list(rows.values()))
+    assert card.describe_shapes(table) == "1 meshes, 1 boxes"
+    assert card.describe_shapes(table.assign(shaped=False)) == "boxes"
+    assert card.describe_shapes(table[table["shaped"]]) == "meshes"
