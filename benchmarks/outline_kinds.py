@@ -21,18 +21,7 @@ from roomkin.stages.cli import progress
 from roomkin.stages.config.perception import SeeSection
 from roomkin.stages.contracts import write_atomically
 from roomkin.stages.contracts.images import read_rgb
-from roomkin.stages.perception.layout.things import (
-    FLOOR,
-    HANGS,
-    KINDS,
-    NOTHING,
-    RESTS,
-    STANDS,
-    WALL,
-    WEIGHTS,
-    make_view,
-    measure_outline,
-)
+from roomkin.stages.perception.layout import things
 from roomkin.stages.perception.segmentation.choosing import choose
 from roomkin.stages.perception.segmentation.proposal import list_proposals
 
@@ -44,9 +33,9 @@ RIDGE = 0.1  # chosen on real outlines and `held_out`: .03 to .3 are alike
 def see_examples(folder: Path) -> tuple[Array, list[int]]:
     """What is known of the outlines of a picture (N, 779), and what each shows, by its place in `KINDS`."""
     rgb, truth, owner = read_rgb(folder / "rgb.png"), read(folder), read_masks(folder)
-    view, support = make_view(rgb), {thing.number: thing.support for thing in truth.things}
+    view, support = things.make_view(rgb), {thing.number: thing.support for thing in truth.things}
     values = {int(value): label for value, label in json.loads((folder / "exact.json").read_text()).items()}
-    kinds = {"floor": STANDS, "wall": HANGS}
+    kinds = {"floor": things.STANDS, "wall": things.HANGS}
     shown, examples = list[int](), list[Array]()
     for one in choose(view, list_proposals(view, SeeSection(), SeeSection().proposers)):
         inside = np.bincount(owner[one.mask], minlength=int(owner.max()) + 1)
@@ -54,13 +43,13 @@ def see_examples(folder: Path) -> tuple[Array, list[int]]:
         wall = inside[0] + sum(inside[value] for value, label in values.items() if label == "wall")
         ious = {value: inside[value] / (one.mask | (owner == value)).sum() for value in support}
         best = max(ious, key=lambda value: ious[value], default=0)
-        kind = NOTHING
+        kind = things.NOTHING
         if max(wall, floor) > OF_ROOM * one.mask.sum():
-            kind = WALL if wall > floor else FLOOR
+            kind = things.WALL if wall > floor else things.FLOOR
         elif best and ious[best] > SAME:
-            kind = kinds.get(support[best], RESTS)
-        shown.append(KINDS.index(kind))
-        examples.append(measure_outline(view.embedded.features, one.mask))
+            kind = kinds.get(support[best], things.RESTS)
+        shown.append(things.KINDS.index(kind))
+        examples.append(things.measure_outline(view.embedded.features, one.mask))
     return np.array(examples), shown
 
 
@@ -68,8 +57,8 @@ def learn(examples: Array, shown: Sequence[int]) -> tuple[NDArray[np.float32], N
     """Weights (779, 6) and bias (6,) of a logistic regression with a ridge, for columns as they are."""
     mean, spread = examples.mean(axis=0), examples.std(axis=0) + 1e-6
     inputs, target = torch.from_numpy((examples - mean) / spread), torch.tensor(shown)
-    weights = torch.zeros(examples.shape[1], len(KINDS), dtype=torch.float64, requires_grad=True)
-    bias = torch.zeros(len(KINDS), dtype=torch.float64, requires_grad=True)
+    weights = torch.zeros(examples.shape[1], len(things.KINDS), dtype=torch.float64, requires_grad=True)
+    bias = torch.zeros(len(things.KINDS), dtype=torch.float64, requires_grad=True)
     optimizer = torch.optim.LBFGS([weights, bias], max_iter=300, line_search_fn="strong_wolfe")
 
     def step() -> torch.Tensor:
@@ -99,13 +88,13 @@ def main() -> None:
     weights, bias = learn(*see_all(folders(asked.folder, kept="learning")))
     examples, shown = see_all(folders(asked.folder, asked.judge))
     told = (examples @ weights + bias).argmax(axis=1)
-    table = np.zeros((len(KINDS), len(KINDS)), int)
+    table = np.zeros((len(things.KINDS), len(things.KINDS)), int)
     np.add.at(table, (shown, told), 1)
     print(f"{asked.judge}: {(told == shown).sum()} of {len(shown)} right; a row per true kind, columns as told")
-    for kind, row in zip(KINDS, table, strict=True):
+    for kind, row in zip(things.KINDS, table, strict=True):
         print(f"{kind:8}", *(f"{count:4}" for count in row))
     if asked.write:
-        with write_atomically(WEIGHTS) as path:
+        with write_atomically(things.WEIGHTS) as path:
             save_file({"weights": weights, "bias": bias}, path)
 
 

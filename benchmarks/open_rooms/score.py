@@ -14,16 +14,7 @@ from benchmarks.open_rooms import packs, pictures
 from benchmarks.open_rooms.by_clicks import find_things, list_steps
 from benchmarks.open_rooms.shapes import ROOT, find_model, measure_chamfer
 from roomkin.plugins.report.doubts import collect_doubts
-from roomkin.plugins.scorecard.measures import (
-    MAX_BEHIND,
-    PLACE,
-    YAW,
-    is_size_right,
-    knows_hinges,
-    measure_overreach,
-    measure_turn,
-    size_errors,
-)
+from roomkin.plugins.scorecard import measures
 from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing
 from roomkin.stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from roomkin.stages.contracts.categories import find_usual_size
@@ -87,7 +78,7 @@ class Row:
 
 def hinges_alike(opens: tuple[str, ...], asset: Asset) -> bool | None:
     """Whether as many doors hang on each side and as many drawers slide; None: nothing opens, or how is not known."""
-    if not knows_hinges(opens):
+    if not measures.knows_hinges(opens):
         return None
     return sorted(opens) == sorted(joint.panel.hinge for joint in asset.joints if joint.panel is not None)
 
@@ -111,7 +102,7 @@ def count_missing(thing: TrueThing, opens: tuple[str, ...], handle: str, carrier
         "yaw": thing.symmetry != "full",
         "carrier": carrier is not None,
         "panels": thing.doors + thing.drawers > 0,
-        "hinges": knows_hinges(opens),
+        "hinges": measures.knows_hinges(opens),
         "handles": bool(handle),
     }
     return {name: False for name in asked if asked[name]}
@@ -190,9 +181,9 @@ def _measure_thing(
     eye = truth.pose[:3, 3]
     box = UprightBox(eye + scale * (np.asarray(box.center) - eye), scale * np.asarray(box.size), box.yaw)
     truth_box = UprightBox(thing.position, thing.size, thing.yaw)
-    errors = size_errors(thing, tuple(scale * np.array(item.size)), box.yaw)
+    errors = measures.size_errors(thing, tuple(scale * np.array(item.size)), box.yaw)
     off = float(np.linalg.norm(np.array(box.center) - np.array(thing.position)))
-    turn = measure_turn(thing, box.yaw)
+    turn = measures.measure_turn(thing, box.yaw)
     carrier = find_true_carrier(thing, ids)
     asset = folders.asset(item.asset)
     model = find_model(thing.model, truth.half)
@@ -206,9 +197,9 @@ def _measure_thing(
         "asset": item.asset,
         "category": item.category,
         "sensible": item.category in packs.kinds()[thing.kind].sensible,
-        "size": is_size_right(errors, thing.size),
-        "place": off <= PLACE,
-        "yaw": None if turn is None else turn <= YAW,
+        "size": measures.is_size_right(errors, thing.size),
+        "place": off <= measures.PLACE,
+        "yaw": None if turn is None else turn <= measures.YAW,
         "carrier": None if carrier is None else item.support == carrier,
         "stable": item.support != "unnamed" and check is not None and item.id not in check.fallen,
         "off_depth_cm": round(100 * float(errors[0]), 1),
@@ -223,7 +214,7 @@ def _measure_thing(
         "support": item.support,
         "held": item.support == "unnamed",
         "floats": level is not None and bottom > level + FLOATS,
-        "behind": measure_overreach(box, truth.size) > MAX_BEHIND,
+        "behind": measures.measure_overreach(box, truth.size) > measures.MAX_BEHIND,
         "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
         "collides": check is not None and (check.collisions > 0 or check.max_penetration > OVERLAP),
         "doubt_of_size": any(doubt.cause == "size" for doubt in doubts),

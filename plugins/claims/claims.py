@@ -16,17 +16,8 @@ from numpy.typing import NDArray
 from roomkin.plugins.claims import power
 from roomkin.plugins.claims.assets import find_judged_set
 from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.tables import intervals
 from roomkin.stages.tables.cells import ROW
-from roomkin.stages.tables.intervals import (
-    Interval,
-    Side,
-    pair_sides,
-    quantiles,
-    resample_rates,
-    score_interval,
-    side_of,
-    unit_rates,
-)
 from roomkin.stages.tables.order import SKILL, SPLITS, set_key
 from roomkin.stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
 
@@ -45,7 +36,7 @@ STABILITY = [*ROW, "training_set", "runs", "collapsed", "spread"]
 STABILITY += ["published_runs", "published_collapsed", "published_spread"]
 
 Rates = Mapping[str, NDArray[np.float64]]  # `twin`, `unseen` (of the paper: test assets) -> (..., runs) rates
-Sides = dict[str, Side]  # `twin`, `unseen` -> successes
+Sides = dict[str, intervals.Side]  # `twin`, `unseen` -> successes
 
 
 def spread(rates: Rates) -> Any:
@@ -92,25 +83,25 @@ def judge_claim(claim: Claim, low: float, high: float, runs: int) -> str:
     return HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
 
 
-def score_floor(claim: Claim, ours: Sides, theirs: Sides, confidence: float) -> Interval:
+def score_floor(claim: Claim, ours: Sides, theirs: Sides, confidence: float) -> intervals.Interval:
     """The narrowest interval of the difference of a mean; of two means the squares of their widths add up.
 
     The latter is Newcombe's own way from two intervals to one of a difference.
     """
 
-    def bound_one(name: str) -> tuple[float, Interval]:
-        units = unit_rates(ours[name]), unit_rates(theirs[name])
-        return float(units[0].mean() - units[1].mean()), score_interval(*units, confidence)
+    def bound_one(name: str) -> tuple[float, intervals.Interval]:
+        units = intervals.unit_rates(ours[name]), intervals.unit_rates(theirs[name])
+        return float(units[0].mean() - units[1].mean()), intervals.score_interval(*units, confidence)
 
     middle, (low, high) = bound_one(claim.plus)
     if not claim.minus:
-        return Interval(low, high)
+        return intervals.Interval(low, high)
     other, (other_low, other_high) = bound_one(claim.minus)
     down, up = np.hypot(middle - low, other_high - other), np.hypot(high - middle, other - other_low)
-    return Interval(float(middle - other - down), float(middle - other + up))
+    return intervals.Interval(float(middle - other - down), float(middle - other + up))
 
 
-def times_trained(side: Side) -> int:
+def times_trained(side: intervals.Side) -> int:
     """How often a side's method was trained: the seeds of that of its hyper-parameter sets which has fewest.
 
     More sets, a seed each, say nothing about training one of them again.
@@ -126,9 +117,9 @@ def compare(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> dic
     low = high = float("nan")
     if claim.plus or min(runs) >= claim.runs:
         names = [key for key in ours if not claim.plus or key in (claim.plus, claim.minus)]
-        pairs = resample_rates([[ours[key], theirs[key]] for key in names], options)
+        pairs = intervals.resample_rates([[ours[key], theirs[key]] for key in names], options)
         sides = [claim.measure({key: pair[side] for key, pair in zip(names, pairs, strict=True)}) for side in (0, 1)]
-        found = quantiles(sides[0] - sides[1], options)
+        found = intervals.quantiles(sides[0] - sides[1], options)
         floor = score_floor(claim, ours, theirs, options.confidence) if claim.plus else found
         low, high = min(found.low, floor.low), max(found.high, floor.high)
     return {
@@ -158,7 +149,7 @@ def call_undecidable(row: dict[str, Any]) -> str:
     return TOO_FEW.format(lacking)
 
 
-def _by_run(side: Side) -> pd.Series:
+def _by_run(side: intervals.Side) -> pd.Series:
     """The rate of every run, assets alike."""
     return side.T.groupby(level=["family", "asset"]).mean().mean()
 
@@ -171,7 +162,9 @@ def _sides(rollouts: pd.DataFrame, ours: str, theirs: str) -> tuple[Sides, Sides
     sides: tuple[Sides, Sides] = ({}, {})
     for name, which in rows.items():
         found = rollouts[which]
-        pair = pair_sides(*(side_of(found[found["training_set"] == side]) for side in (ours, theirs)))
+        pair = intervals.pair_sides(
+            *(intervals.side_of(found[found["training_set"] == side]) for side in (ours, theirs))
+        )
         if not pair[0].empty:
             sides[0][name], sides[1][name] = pair
     return sides

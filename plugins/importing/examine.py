@@ -12,19 +12,11 @@ import numpy as np
 from PIL import Image
 from pydantic import ConfigDict, Field, TypeAdapter
 
+from roomkin.plugins.importing import imports
 from roomkin.plugins.importing.discover import NUMBERED, Given
 from roomkin.plugins.importing.evidence import UNITS, Evidence, Shared, collect_evidence
 from roomkin.plugins.importing.importers import Importer
 from roomkin.plugins.importing.importers.urdf import IMPORTER as URDF
-from roomkin.plugins.importing.imports import (
-    ModelFile,
-    Notes,
-    guess_front,
-    import_file,
-    in_one_line,
-    read_model,
-    with_notes,
-)
 from roomkin.plugins.importing.sandbox import run_in_fork, snake_case
 from roomkin.stages.articulated.asset_folder import atomic_folder
 from roomkin.stages.articulated.model import RobotModel
@@ -51,7 +43,7 @@ class Examined:
 
     source: Path
     folder: Path
-    notes: Notes | None = None
+    notes: imports.Notes | None = None
     because: list[str] = field(default_factory=list)
     asset: Asset | None = None
     doubts: list[str] = field(default_factory=list)
@@ -88,12 +80,12 @@ def read(found: Given, importer: Importer, place: Path) -> Evidence:
     """
 
     def examine_all() -> str:
-        with in_one_line(found.path):
-            file = with_notes(found, importer)
-            theirs = read_json(Notes, place / NOTES) if (place / NOTES).is_file() else None
+        with imports.in_one_line(found.path):
+            file = imports.with_notes(found, importer)
+            theirs = read_json(imports.Notes, place / NOTES) if (place / NOTES).is_file() else None
             if theirs is not None and theirs.by_hand:
                 file = file._replace(notes=file.notes.model_copy(update={"without": theirs.without}))
-            robot = read_model(file)
+            robot = imports.read_model(file)
             write_model(robot, place)
             return collect_evidence(robot).model_dump_json()
 
@@ -143,9 +135,9 @@ def _examine_model(
 ) -> Examined:
     model, written = Examined(found.path, place), place / "model.urdf"
     try:
-        with in_one_line(found.path):
-            file = with_notes(found, importer)
-            theirs = read_json(Notes, place / NOTES) if (place / NOTES).is_file() else None
+        with imports.in_one_line(found.path):
+            file = imports.with_notes(found, importer)
+            theirs = read_json(imports.Notes, place / NOTES) if (place / NOTES).is_file() else None
             if theirs is not None and theirs.by_hand:
                 model.notes = theirs
                 model.because.append(f"as {NOTES} says")
@@ -154,7 +146,7 @@ def _examine_model(
                 model.doubts += doubt_up(file, tells, shared)
                 write_json(place / NOTES, model.notes.add_checksum())
             as_written = Given(written, place.parent.parent, place.parent.name, place.name)
-            asset, doubts = import_file(with_notes(as_written, URDF), work)
+            asset, doubts = imports.import_file(imports.with_notes(as_written, URDF), work)
             model.doubts += doubts
     except InputError as error:
         model.doubts.append(explain(error, found.path, written))
@@ -185,7 +177,7 @@ def explain(error: InputError, *files: Path) -> str:
     return text
 
 
-def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:
+def complete_notes(file: imports.ModelFile, tells: Evidence, shared: Shared) -> tuple[imports.Notes, list[str]]:
     """The notes beside a model, completed: by what the folder's models share, else by the model's own evidence, else
     by what such files usually are. The second value has a line for everything unusual."""
     notes, kind, lines = file.notes, f"most {file.path.suffix.lower()} here", list[str]()
@@ -214,7 +206,7 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
         front = shared.front
         lines.append(f"front {front} as {kind}")
     elif front is None:
-        front = guess_front(up)
+        front = imports.guess_front(up)
         lines.append("front assumed")
     words = {
         "category": file.category,
@@ -226,7 +218,7 @@ def complete_notes(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[No
     return notes.model_copy(update=words), lines
 
 
-def doubt_up(file: ModelFile, tells: Evidence, shared: Shared) -> list[str]:
+def doubt_up(file: imports.ModelFile, tells: Evidence, shared: Shared) -> list[str]:
     """A line if a model seems to lie on its side, though its kind of file says what is up."""
     evidence = tells.find_up(file.category, file.importer.up, file.importer.has_up)
     if file.notes.up or shared.up or not evidence.doubt:

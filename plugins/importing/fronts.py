@@ -6,16 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from roomkin.plugins.importing.hinges import (
-    ALONG,
-    MIN_OUT,
-    MIN_TURN,
-    THIN_LEAF,
-    explain_unpushable,
-    list_carried_links,
-    seen_points,
-    slides_from_narrower,
-)
+from roomkin.plugins.importing import hinges
 from roomkin.stages.articulated.handle import list_moved_links, merge_visuals
 from roomkin.stages.articulated.model import (
     JointModel,
@@ -55,10 +46,10 @@ def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     if shown is None:
         return robot, 0.0
     normals = shown.face_normals[:, :2]
-    weights = shown.area_faces * (np.hypot(*normals.T) > ALONG)
+    weights = shown.area_faces * (np.hypot(*normals.T) > hinges.ALONG)
     total = (weights * np.exp(4j * np.arctan2(normals[:, 1], normals[:, 0]))).sum()
     turn = -float(np.angle(total)) / 4
-    if abs(total) < ALONG * weights.sum() or abs(turn) < ASKEW:
+    if abs(total) < hinges.ALONG * weights.sum() or abs(turn) < ASKEW:
         return robot, 0.0
     return change_root(robot, make_transform(yaw_matrix(turn), np.zeros(3))), turn
 
@@ -102,7 +93,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> C
     box = _box(robot, links, frames)
     if box is None:
         return "moves nothing that is seen"
-    still = _box(robot, robot.links.keys() - set(list_carried_links(joint, robot.joints)), frames)
+    still = _box(robot, robot.links.keys() - set(hinges.list_carried_links(joint, robot.joints)), frames)
     if still is None:
         return "moves all that is seen"
     low, high = box
@@ -110,7 +101,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> C
     axis, extents, outward = frame[:3, :3] @ joint.axis, high - low, np.zeros(3)
     if joint.type == "prismatic":
         way = int(np.argmax(np.abs(axis)))
-        if way == 2 or abs(axis[way]) < ALONG:
+        if way == 2 or abs(axis[way]) < hinges.ALONG:
             return "does not slide along a horizontal axis"
         if joint.upper - joint.lower < SHORTEST:
             return f"slides by less than {100 * SHORTEST:.0f} cm"
@@ -119,16 +110,16 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> C
         if around is not None:
             front, body = ((box @ outward).max() for box in (np.array([low, high]), around))
             reach, depth = joint.upper - joint.lower, np.ptp(around @ outward)
-            if front + reach - body < MIN_OUT * reach or body - front > BEHIND_FRONT * depth:
+            if front + reach - body < hinges.MIN_OUT * reach or body - front > BEHIND_FRONT * depth:
                 return "slides along what it is in"
-        if slides_from_narrower(robot, joint, frames):
+        if hinges.slides_from_narrower(robot, joint, frames):
             return "slides on something narrower than itself"
     else:
         way = int(np.argmin(extents[:2]))
         across = 1 - way
-        if joint.upper - joint.lower < MIN_TURN:
-            return f"turns by less than {np.rad2deg(MIN_TURN):.0f} degrees"
-        if abs(axis[way]) > 0.3 or extents[way] > THIN_LEAF * extents[across]:
+        if joint.upper - joint.lower < hinges.MIN_TURN:
+            return f"turns by less than {np.rad2deg(hinges.MIN_TURN):.0f} degrees"
+        if abs(axis[way]) > 0.3 or extents[way] > hinges.THIN_LEAF * extents[across]:
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
         center = (low + high) / 2
         swing = float(np.cross(axis, center - frame[:3, 3])[way])
@@ -143,7 +134,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> C
 
 def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> Matrix | None:
     """Box (2, 3) around the visual meshes of some links, closed; None: they have none."""
-    points = seen_points(robot, links, frames)
+    points = hinges.seen_points(robot, links, frames)
     return np.array([points.min(axis=0), points.max(axis=0)]) if len(points) else None
 
 
@@ -153,7 +144,7 @@ def _measure_skew(robot: RobotModel, links: Iterable[str], frames: dict[str, Mat
     if shown is None:
         return 0.0
     along, aside = shown.face_normals @ outward, shown.face_normals @ np.cross([0, 0, 1], outward)
-    facing = (np.hypot(along, aside) > ALONG) & (along > 0.5)
+    facing = (np.hypot(along, aside) > hinges.ALONG) & (along > 0.5)
     angles, areas = np.arctan2(aside, along)[facing], shown.area_faces[facing]
     if not len(angles):
         return 0.0
@@ -179,7 +170,7 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     for before, joint in zip(robot.joints, short.joints, strict=True):
         front = fronts.get(joint.name)
         if before.part_type == "button":
-            front = explain_unpushable(robot, before, frames)
+            front = hinges.explain_unpushable(robot, before, frames)
             if not front:
                 joints.append(before)
                 lines.append(f"button '{joint.name}': sprung, and pushed, not pulled")

@@ -14,15 +14,7 @@ import sys
 from pathlib import Path
 from typing import IO
 
-from roomkin.plugins.ops.queue import (
-    LOCK,
-    WORKFLOW,
-    Holder,
-    cancel_left_over,
-    is_taken_over,
-    start_time,
-    stop_if_taken_over,
-)
+from roomkin.plugins.ops import queue
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import BEFORE_WRITING, PARTIAL
 from roomkin.stages.contracts.system import JOB_START
@@ -53,10 +45,10 @@ def hold_folder(results: Path = Path("results")) -> IO[str]:
     Raises:
         InputError: another workflow is running in this folder.
     """
-    LOCK.parent.mkdir(exist_ok=True)
-    file = LOCK.open("a+", encoding="utf-8")
+    queue.LOCK.parent.mkdir(exist_ok=True)
+    file = queue.LOCK.open("a+", encoding="utf-8")
     file.seek(0)
-    before = Holder.read(file.read())
+    before = queue.Holder.read(file.read())
     locked = True
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -76,12 +68,14 @@ def hold_folder(results: Path = Path("results")) -> IO[str]:
             file=sys.stderr,
         )
     file.truncate(0)
-    file.write(Holder.this_process().text)
+    file.write(queue.Holder.this_process().text)
     file.flush()
-    os.environ.update({WORKFLOW: Holder.this_process().text, JOB_START: "roomkin.plugins.ops.guard:end_with_workflow"})
+    os.environ.update(
+        {queue.WORKFLOW: queue.Holder.this_process().text, JOB_START: "roomkin.plugins.ops.guard:end_with_workflow"}
+    )
     if locked:
-        shutil.rmtree(LOCK.parent / "locks", ignore_errors=True)
-        cancel_left_over(Path.cwd())
+        shutil.rmtree(queue.LOCK.parent / "locks", ignore_errors=True)
+        queue.cancel_left_over(Path.cwd())
         sweep(results)
     return file
 
@@ -104,18 +98,18 @@ def end_with_workflow() -> None:
     or in a container with processes of its own, cannot see its workflow: it ends when another one has taken over the
     folder that both share. Nothing is done for a process started by hand.
     """
-    workflow = Holder.read(os.environ.get(WORKFLOW, ""))
+    workflow = queue.Holder.read(os.environ.get(queue.WORKFLOW, ""))
     if workflow is None:
         return
-    BEFORE_WRITING.append(stop_if_taken_over)
+    BEFORE_WRITING.append(queue.stop_if_taken_over)
     job = os.getpid()
-    near = bool(workflow.place) and workflow.place == Holder.this_process().place
+    near = bool(workflow.place) and workflow.place == queue.Holder.this_process().place
     watched = []
     try:
         watched.append(os.pidfd_open(job))
         if near:
             watched.append(os.pidfd_open(workflow.pid))
-        alive = start_time(workflow.pid) == workflow.started if near else not is_taken_over()
+        alive = queue.start_time(workflow.pid) == workflow.started if near else not queue.is_taken_over()
     except OSError:
         alive = False
     if not alive:
@@ -124,7 +118,7 @@ def end_with_workflow() -> None:
         return
     try:
         ended: list[int] = []
-        while not ended and not is_taken_over():
+        while not ended and not queue.is_taken_over():
             ended = select.select(watched, [], [], None if near else LOOK_EVERY)[0]
         if watched[0] not in ended:
             kill_all(job)

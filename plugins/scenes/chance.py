@@ -9,21 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from roomkin.plugins.scenes import recipe
 from roomkin.plugins.scenes.config import ScenesConfig
 from roomkin.plugins.scenes.layout import ATTEMPTS, CastRoom, arrange, choose_models, templates
-from roomkin.plugins.scenes.recipe import (
-    Against,
-    Beside,
-    CameraStand,
-    Color,
-    Floor,
-    Hung,
-    Item,
-    On,
-    Place,
-    RoomPlan,
-    WallName,
-)
 from roomkin.stages.contracts import Asset, InputError
 from roomkin.stages.geometry.boxes import UprightBox, corners, distances_along
 from roomkin.stages.geometry.cameras import MARGIN, intrinsics_from_fov, look_at, project
@@ -48,7 +36,7 @@ def _aim_camera(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
     return world_from_camera
 
 
-def frame(points: Matrix, stand: CameraStand, width: int, height: int, margin: float) -> tuple[Matrix, Matrix]:
+def frame(points: Matrix, stand: recipe.CameraStand, width: int, height: int, margin: float) -> tuple[Matrix, Matrix]:
     """Intrinsics (3, 3) and `world_from_camera` (4, 4) of the nearest place on the stand's line that shows all points.
 
     Args:
@@ -83,11 +71,13 @@ ON_TOP = 0.5  # of the free top
 AZIMUTH, EYE, FOV = 10.0, 0.2, 5.0  # degrees, metres, degrees
 STEP = 4  # pixels between the rays by which is judged what is seen
 SEEN, RAYS = 0.45, 8  # share of every box, and rays on it, that the camera must see
-MIRRORED: dict[WallName, WallName] = {"back": "back", "left": "right", "right": "left"}
+MIRRORED: dict[recipe.WallName, recipe.WallName] = {"back": "back", "left": "right", "right": "left"}
 Rng = np.random.Generator
 
 
-def draw_room(room: RoomPlan, models: dict[str, Asset], seed: int, library: Path, options: ScenesConfig) -> CastRoom:
+def draw_room(
+    room: recipe.RoomPlan, models: dict[str, Asset], seed: int, library: Path, options: ScenesConfig
+) -> CastRoom:
     """A furnished room like `room`; its models come from the whole library, whatever stands in other rooms.
 
     Things move the less the more attempts have failed.
@@ -112,12 +102,12 @@ def draw_room(room: RoomPlan, models: dict[str, Asset], seed: int, library: Path
     )
 
 
-def redraw_recipe(room: RoomPlan, rng: Rng, reach: float = 1.0) -> RoomPlan:
+def redraw_recipe(room: recipe.RoomPlan, rng: Rng, reach: float = 1.0) -> recipe.RoomPlan:
     """The recipe, perhaps mirrored, with everything moved by up to `reach` of what is allowed."""
     mirror = bool(rng.random() < 0.5)
     items = tuple(_move_item(_mirror_item(item) if mirror else item, rng, reach) for item in room.items)
     stand = room.camera
-    camera = CameraStand(
+    camera = recipe.CameraStand(
         azimuth=(-1 if mirror else 1) * stand.azimuth + AZIMUTH * reach * rng.uniform(-1, 1),
         height=stand.height + EYE * rng.uniform(-1, 1),
         fov=stand.fov + FOV * rng.uniform(-1, 1),
@@ -126,44 +116,44 @@ def redraw_recipe(room: RoomPlan, rng: Rng, reach: float = 1.0) -> RoomPlan:
     return room.model_copy(update={"items": items, "camera": camera, "walls": walls, **colors(rng)})
 
 
-def colors(rng: Rng) -> dict[str, Color]:
+def colors(rng: Rng) -> dict[str, recipe.Color]:
     """Colors of walls and floor."""
     wall = colorsys.hsv_to_rgb(rng.random(), rng.uniform(0.02, 0.25), rng.uniform(0.65, 0.92))
     floor = colorsys.hsv_to_rgb(rng.uniform(0.04, 0.13), rng.uniform(0.15, 0.55), rng.uniform(0.35, 0.75))
     return {"wall_colour": wall, "floor_colour": floor}
 
 
-def _mirror_item(item: Item) -> Item:
+def _mirror_item(item: recipe.Item) -> recipe.Item:
     """Left and right exchanged."""
-    place: Place = item.place
-    if isinstance(place, Against):
+    place: recipe.Place = item.place
+    if isinstance(place, recipe.Against):
         along = -place.along if place.against == "back" else place.along
-        place = Against(against=MIRRORED[place.against], along=along, gap=place.gap)
-    elif isinstance(place, Hung):
+        place = recipe.Against(against=MIRRORED[place.against], along=along, gap=place.gap)
+    elif isinstance(place, recipe.Hung):
         along = -place.along if place.hung == "back" else place.along
-        place = Hung(hung=MIRRORED[place.hung], along=along, z=place.z)
-    elif isinstance(place, Beside):
-        place = Beside(beside=place.beside, side="left" if place.side == "right" else "right", gap=place.gap)
-    elif isinstance(place, Floor):
-        place = Floor(floor=(place.floor[0], -place.floor[1]), yaw=-place.yaw)
+        place = recipe.Hung(hung=MIRRORED[place.hung], along=along, z=place.z)
+    elif isinstance(place, recipe.Beside):
+        place = recipe.Beside(beside=place.beside, side="left" if place.side == "right" else "right", gap=place.gap)
+    elif isinstance(place, recipe.Floor):
+        place = recipe.Floor(floor=(place.floor[0], -place.floor[1]), yaw=-place.yaw)
     else:
-        place = On(on_top=place.on_top, forward=place.forward, right=-place.right, yaw=-place.yaw)
+        place = recipe.On(on_top=place.on_top, forward=place.forward, right=-place.right, yaw=-place.yaw)
     return item.model_copy(update={"place": place})
 
 
-def _move_item(item: Item, rng: Rng, reach: float) -> Item:
+def _move_item(item: recipe.Item, rng: Rng, reach: float) -> recipe.Item:
     a, b, c = (reach * rng.uniform(-1, 1, 3)).tolist()
-    place: Place = item.place
-    if isinstance(place, Against):
+    place: recipe.Place = item.place
+    if isinstance(place, recipe.Against):
         place = place.model_copy(update={"along": place.along + ALONG * a})
-    elif isinstance(place, Hung):
+    elif isinstance(place, recipe.Hung):
         place = place.model_copy(update={"along": place.along + ALONG * a, "z": place.z + HEIGHT * b})
-    elif isinstance(place, Floor):
+    elif isinstance(place, recipe.Floor):
         x, y = place.floor
-        place = Floor(floor=(x + ON_FLOOR * a, y + ON_FLOOR * b), yaw=place.yaw + TURN * c)
-    elif isinstance(place, On):
+        place = recipe.Floor(floor=(x + ON_FLOOR * a, y + ON_FLOOR * b), yaw=place.yaw + TURN * c)
+    elif isinstance(place, recipe.On):
         forward, right = np.clip([place.forward + ON_TOP * a, place.right + ON_TOP * b], -1, 1).tolist()
-        place = On(on_top=place.on_top, forward=forward, right=right, yaw=place.yaw + TURN * c)
+        place = recipe.On(on_top=place.on_top, forward=forward, right=right, yaw=place.yaw + TURN * c)
     return item.model_copy(update={"place": place})
 
 

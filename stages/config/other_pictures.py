@@ -10,17 +10,9 @@ from pydantic import BaseModel, ValidationError
 from roomkin.stages.config.experiment import ExperimentConfig
 from roomkin.stages.config.mistakes import Mistake
 from roomkin.stages.config.recordings import list_frames
+from roomkin.stages.contracts import hand
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_text
-from roomkin.stages.contracts.hand import (
-    CORRECTIONS,
-    PROJECT,
-    Reader,
-    digest_of_picture,
-    find_hand_file,
-    is_by_hand,
-    read_corrections,
-)
 
 if TYPE_CHECKING:
     from roomkin.stages.config.model import Config
@@ -28,25 +20,25 @@ if TYPE_CHECKING:
 
 def hand_file(experiment: ExperimentConfig, scene: str, name: str) -> Path:
     """Where a person's corrections.json or project.json of a scene's picture is, or will be."""
-    return find_hand_file(Path(experiment.input_folder(scene)), name, partial(_read_digest, experiment, scene))
+    return hand.find_hand_file(Path(experiment.input_folder(scene)), name, partial(_read_digest, experiment, scene))
 
 
-def describe_corrections(experiment: ExperimentConfig, scene: str, stage: Reader) -> str:
+def describe_corrections(experiment: ExperimentConfig, scene: str, stage: hand.Reader) -> str:
     """A person's corrections of a scene, as far as a stage reads them, as text; "": there are none."""
-    path = hand_file(experiment, scene, CORRECTIONS)
-    said = read_corrections([path] if path.is_file() else []).read_by(stage)
+    path = hand_file(experiment, scene, hand.CORRECTIONS)
+    said = hand.read_corrections([path] if path.is_file() else []).read_by(stage)
     return said.model_dump_json(exclude_defaults=True) if said.is_any else ""
 
 
 def are_taken_back(path: str) -> bool:
     """Whether a file of corrections is there that says nothing any more."""
-    return Path(path).is_file() and not read_corrections([Path(path)]).is_any
+    return Path(path).is_file() and not hand.read_corrections([Path(path)]).is_any
 
 
 def drawing_of(experiment: ExperimentConfig, scene: str) -> str:
     """What was drawn into a scene's picture; "": nothing."""
-    kept = hand_file(experiment, scene, PROJECT)
-    return experiment.inputs[scene].drawing or (str(kept) if is_by_hand(kept) else "")
+    kept = hand_file(experiment, scene, hand.PROJECT)
+    return experiment.inputs[scene].drawing or (str(kept) if hand.is_by_hand(kept) else "")
 
 
 def _read_digest(experiment: ExperimentConfig, scene: str) -> str:
@@ -54,7 +46,7 @@ def _read_digest(experiment: ExperimentConfig, scene: str) -> str:
     folder = Path(experiment.input_folder(scene))
     if own := experiment.inputs.get(scene):
         return own.read_digest()
-    return digest_of_picture(folder) if (folder / "rgb.png").is_file() else ""
+    return hand.digest_of_picture(folder) if (folder / "rgb.png").is_file() else ""
 
 
 HOLD = (

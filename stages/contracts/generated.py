@@ -6,35 +6,14 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from roomkin.stages.contracts import types
 from roomkin.stages.contracts.doubt import Doubt, Provenance
 from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.files import Contract, Document
 from roomkin.stages.contracts.library import Finish
 from roomkin.stages.contracts.objects import Mounting, Wall, check_mounting, check_room, check_status
-from roomkin.stages.contracts.types import (
-    LARGEST,
-    Angle,
-    CameraMatrix,
-    Coordinate,
-    Count,
-    Finite,
-    Fraction,
-    Id,
-    NonNegative,
-    Position,
-    Rank,
-    RigidTransform,
-    SceneName,
-    Side,
-    Text,
-    UnitVector,
-    Vector,
-    check_supports,
-    check_unique,
-    check_view,
-)
 
-Color = tuple[Fraction, Fraction, Fraction]
+Color = tuple[types.Fraction, types.Fraction, types.Fraction]
 GAMMA = 2.2  # of pictures; base colors are linear
 ROOM_LIGHT = (0.55, -0.5, -1.0)  # over the photographer's left shoulder: x of the floor frame is the viewing direction
 
@@ -42,23 +21,29 @@ ROOM_LIGHT = (0.55, -0.5, -1.0)  # over the photographer's left shoulder: x of t
 class Surface(Contract):
     """Floor or wall: its base color (linear RGB), and the part of it that the picture shows."""
 
-    id: Id = Field(description="'floor', or the id of a wall")
+    id: types.Id = Field(description="'floor', or the id of a wall")
     colour: Color
-    low: tuple[Coordinate, Coordinate] = Field(description="floor: least x and y; wall: left along its tangent, and 0")
-    high: tuple[Coordinate, Coordinate] = Field(description="floor: largest x and y; wall: right, and height")
+    low: tuple[types.Coordinate, types.Coordinate] = Field(
+        description="floor: least x and y; wall: left along its tangent, and 0"
+    )
+    high: tuple[types.Coordinate, types.Coordinate] = Field(
+        description="floor: largest x and y; wall: right, and height"
+    )
 
 
 class Look(Document):
     """Floor, walls and key light of a room, in the floor frame. What the picture does not show is not in it."""
 
-    light: UnitVector = Field(description="direction in which the key light shines")
+    light: types.UnitVector = Field(description="direction in which the key light shines")
     light_from: Literal["shadows", "default"] = Field(description="what the direction was taken from")
-    shadow_correlation: Finite = Field(description="of predicted shadows with dark places of the picture, -1 to 1")
+    shadow_correlation: types.Finite = Field(
+        description="of predicted shadows with dark places of the picture, -1 to 1"
+    )
     surfaces: list[Surface]
 
     @model_validator(mode="after")
     def _check_ids(self) -> "Look":
-        check_unique("surfaces: ids", [surface.id for surface in self.surfaces])
+        types.check_unique("surfaces: ids", [surface.id for surface in self.surfaces])
         return self
 
 
@@ -71,19 +56,19 @@ EVEN, STEEP = 0.042, 2.4
 class PlacedObject(Contract):
     """A cousin in its place, in the floor frame."""
 
-    id: Id
-    label: Text
+    id: types.Id
+    label: types.Text
     status: Literal["ok", "failed"] = "ok"
     reason: str = ""
     asset: str = ""
     category: str = ""
-    position: Position = Field((0.0, 0.0, 0.0), description="center of the asset's box, metres")
-    yaw: Angle = Field(0.0, description="turn of the asset about z, radians")
-    size: Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
-    size_spread: Vector | None = Field(
+    position: types.Position = Field((0.0, 0.0, 0.0), description="center of the asset's box, metres")
+    yaw: types.Angle = Field(0.0, description="turn of the asset about z, radians")
+    size: types.Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
+    size_spread: types.Vector | None = Field(
         None, description="standard deviations of the logarithms of `size`; null: it was not fitted"
     )
-    place_spread: NonNegative | None = Field(
+    place_spread: types.NonNegative | None = Field(
         None, description="standard deviation of `position`, metres; null: it was not fitted"
     )
     finish: Finish = Field(
@@ -93,26 +78,28 @@ class PlacedObject(Contract):
         "floor", description="'floor', 'wall', the id of the object beneath, or 'unnamed': on what is no object here"
     )
     mounting: Mounting | None = None
-    cousin: Rank | None = Field(None, description="rank in cousins.json of the model that stands here")
+    cousin: types.Rank | None = Field(None, description="rank in cousins.json of the model that stands here")
     chosen: bool = Field(False, description="a person says which model stands here")
     steps: list[str] = Field([], description="what each step of placing changed, in order, and by how much")
     doubts: list[Doubt] = Field([], description="what may be wrong and a person can mend")
-    moved: NonNegative = Field(0.0, description="xy distance it was pushed to resolve collisions, metres")
-    settled_shift: NonNegative | None = Field(None, description="how far it moved in the settling test, metres")
+    moved: types.NonNegative = Field(0.0, description="xy distance it was pushed to resolve collisions, metres")
+    settled_shift: types.NonNegative | None = Field(None, description="how far it moved in the settling test, metres")
 
 
 class Plausibility(Contract):
     """Physics check of the scene: load it, let it settle for `seconds`."""
 
-    seconds: NonNegative
+    seconds: types.NonNegative
     stable: bool = Field(description="nothing has fallen or overlaps, is held without a wall, or reaches behind one")
     fallen: list[str] = Field(description="objects that did not stay: they dropped, tipped or were pushed aside")
-    how: dict[str, Text] = Field({}, exclude_if=lambda found: not found, description="what each of them did, in words")
+    how: dict[str, types.Text] = Field(
+        {}, exclude_if=lambda found: not found, description="what each of them did, in words"
+    )
     held: list[str] = Field([], description="objects kept where they were seen, since what carries them is not named")
     behind: list[str] = Field([], description="objects that reach behind a wall")
-    mean_displacement: NonNegative
-    max_penetration: NonNegative
-    collisions: Count
+    mean_displacement: types.NonNegative
+    max_penetration: types.NonNegative
+    collisions: types.Count
 
     @property
     def wrong(self) -> str:
@@ -136,13 +123,13 @@ class Plausibility(Contract):
 class GeneratedScene(Document):
     """`scene.json`: the scene of cousins of one rank, loadable in SAPIEN."""
 
-    scene: SceneName
-    variant: Id
-    rank: Rank
-    width: Side
-    height: Side
-    intrinsics: CameraMatrix
-    floor_from_camera: RigidTransform
+    scene: types.SceneName
+    variant: types.Id
+    rank: types.Rank
+    width: types.Side
+    height: types.Side
+    intrinsics: types.CameraMatrix
+    floor_from_camera: types.RigidTransform
     walls: list[Wall]
     objects: list[PlacedObject]
     plausibility: Plausibility | None = None
@@ -150,9 +137,9 @@ class GeneratedScene(Document):
 
     @model_validator(mode="after")
     def _check_references(self) -> "GeneratedScene":
-        check_view(self.width, self.height, self.intrinsics)
+        types.check_view(self.width, self.height, self.intrinsics)
         check_room(self.floor_from_camera, self.walls)
-        check_unique("objects: ids", [item.id for item in self.objects])
+        types.check_unique("objects: ids", [item.id for item in self.objects])
         walls = {wall.id for wall in self.walls}
         for item in self.objects:
             check_status(item.id, item.status, item.reason)
@@ -160,11 +147,11 @@ class GeneratedScene(Document):
                 continue
             if not item.asset or not item.category:
                 raise ValueError(f"objects: '{item.id}' is ok, but has no asset or no category")
-            if not all(0 < extent <= LARGEST for extent in item.size):
-                raise ValueError(f"objects: size of '{item.id}' is {item.size} (positive, {LARGEST:g} m at most)")
+            if not all(0 < extent <= types.LARGEST for extent in item.size):
+                raise ValueError(f"objects: size of '{item.id}' is {item.size} (positive, {types.LARGEST:g} m at most)")
             check_mounting(item.id, item.mounting, walls)
         placed = {item.id: item.support for item in self.objects if item.status == "ok"}
-        check_supports(placed, ("floor", "wall", "unnamed"))
+        types.check_supports(placed, ("floor", "wall", "unnamed"))
         for kind in ("fallen", "held", "behind") if self.plausibility else ():
             if strangers := set(getattr(self.plausibility, kind)) - set(placed):
                 raise ValueError(f"plausibility.{kind}: names '{min(strangers)}', which is not placed")

@@ -8,32 +8,11 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from pydantic import Field, model_validator
 
+from roomkin.stages.contracts import types
 from roomkin.stages.contracts.doubt import Doubt, Provenance
 from roomkin.stages.contracts.files import Contract, Document
 from roomkin.stages.contracts.parts import Panel, check_counts
 from roomkin.stages.contracts.things import Name
-from roomkin.stages.contracts.types import (
-    RIGID_TOLERANCE,
-    Angle,
-    CameraMatrix,
-    Coordinate,
-    Count,
-    Fraction,
-    HorizontalUnitVector,
-    Id,
-    MaskValue,
-    NonNegative,
-    Panels,
-    Position,
-    RigidTransform,
-    SceneName,
-    Side,
-    Size,
-    Text,
-    check_supports,
-    check_unique,
-    check_view,
-)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,8 +25,8 @@ FAR_FROM_WALL = 2.0  # metres: what touches a wall is never so far away from it,
 class DepthError(NamedTuple):
     """The error of a depth map: the standard deviation, metres, with which it lies about what it shows, a + b z^2."""
 
-    a: NonNegative
-    b: NonNegative
+    a: types.NonNegative
+    b: types.NonNegative
 
     def predict(self, distance: Metres) -> Metres:
         """Metres at a distance (or distances) from the camera."""
@@ -60,22 +39,22 @@ USUAL_ERROR = DepthError(0.003, 0.0015)  # of depth cameras and networks: 1.7 cm
 class Wall(Contract):
     """A wall plane in the floor frame: points p with normal . p = offset; the normal is horizontal and faces us."""
 
-    id: Id
-    normal: HorizontalUnitVector
-    offset: Coordinate
-    points: Count
+    id: types.Id
+    normal: types.HorizontalUnitVector
+    offset: types.Coordinate
+    points: types.Count
 
 
 class Box(Contract):
     """A z-aligned box in the floor frame; `size` is (x, y, z) along the box's own axes, `yaw` in (-pi/4, pi/4]."""
 
-    center: Position
-    size: Size
-    yaw: Angle
+    center: types.Position
+    size: types.Size
+    yaw: types.Angle
 
     @model_validator(mode="after")
     def _check_yaw(self) -> "Box":
-        if abs(self.yaw) > math.pi / 4 + RIGID_TOLERANCE:
+        if abs(self.yaw) > math.pi / 4 + types.RIGID_TOLERANCE:
             raise ValueError(f"yaw: {self.yaw:g} is not within pi/4: turn the box by quarters, and swap its x and y")
         return self
 
@@ -87,7 +66,7 @@ class Mounting(Contract):
     """Paper A.2: 1 wall mounted, 2 on the floor or on another object, 3 mixture (stands, and touches a wall)."""
 
     type: Literal[1, 2, 3]
-    walls: list[Id] = Field([], description="ids of the walls touched, the dominant one first")
+    walls: list[types.Id] = Field([], description="ids of the walls touched, the dominant one first")
 
     @property
     def words(self) -> str:
@@ -103,23 +82,27 @@ class Mounting(Contract):
 class SceneObject(Contract):
     """One object of the image."""
 
-    id: Id = Field(description="label and running number, e.g. cabinet_1; unique within the scene")
-    label: Text
-    mask: MaskValue = Field(description="value of its pixels in masks.png")
+    id: types.Id = Field(description="label and running number, e.g. cabinet_1; unique within the scene")
+    label: types.Text
+    mask: types.MaskValue = Field(description="value of its pixels in masks.png")
     status: Literal["ok", "failed"] = "ok"
     reason: str = Field("", description="why it failed")
-    pixels: tuple[Count, Count, Count, Count] | None = Field(None, description="mask bounds x0, y0, x1, y1 (exclusive)")
+    pixels: tuple[types.Count, types.Count, types.Count, types.Count] | None = Field(
+        None, description="mask bounds x0, y0, x1, y1 (exclusive)"
+    )
     names: list[Name] = Field(
         [],
         exclude_if=lambda found: not found,
         description="what it may be called, surest first; empty: label is certain",
     )
     articulated: bool = False
-    doors: Panels = 0
-    drawers: Panels = 0
+    doors: types.Panels = 0
+    drawers: types.Panels = 0
     panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
-    points: Count = 0
-    depth_known: Fraction | None = Field(None, description="share of its pixels with known depth; null if not used")
+    points: types.Count = 0
+    depth_known: types.Fraction | None = Field(
+        None, description="share of its pixels with known depth; null if not used"
+    )
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
     measured_support: str = Field(
@@ -127,7 +110,7 @@ class SceneObject(Contract):
     )
     measured_mounting: Mounting | None = Field(None, description="by geometry, where the input tells the mounting")
     note: str = Field("", description="what the input says of it that cannot be")
-    front: Angle | None = Field(None, description="direction that it faces about z, if the input tells")
+    front: types.Angle | None = Field(None, description="direction that it faces about z, if the input tells")
     whole: bool = Field(False, description="the input tells its box, hidden sides too, and cousins get that size")
     support: str | None = Field(None, description="'floor' or the id of what carries it, where a person says so")
     told: list[Literal["mounting", "size"]] = Field([], description="what else a person says of it: nobody doubts that")
@@ -144,18 +127,20 @@ class Objects(Document):
     x along the horizontal part of the viewing direction.
     """
 
-    scene: SceneName
-    width: Side
-    height: Side
-    intrinsics: CameraMatrix
-    floor_from_camera: RigidTransform
-    crop: Fraction = Field(1.0, gt=0, description="central share of the picture that was used, in either direction")
+    scene: types.SceneName
+    width: types.Side
+    height: types.Side
+    intrinsics: types.CameraMatrix
+    floor_from_camera: types.RigidTransform
+    crop: types.Fraction = Field(
+        1.0, gt=0, description="central share of the picture that was used, in either direction"
+    )
     depth_error: DepthError = Field(
         USUAL_ERROR, description="a (metres) and b (1/metres) of depth's standard deviation a + b z^2"
     )
     walls: list[Wall]
     objects: list[SceneObject]
-    lost: list[Text] = Field(
+    lost: list[types.Text] = Field(
         [], exclude_if=lambda found: not found, description="what could not be kept of a person's corrections"
     )
     digest: str = Field(
@@ -168,12 +153,12 @@ class Objects(Document):
 
     @model_validator(mode="after")
     def _check_references(self) -> "Objects":
-        check_view(self.width, self.height, self.intrinsics)
+        types.check_view(self.width, self.height, self.intrinsics)
         check_room(self.floor_from_camera, self.walls)
-        check_unique("objects: ids", [item.id for item in self.objects])
-        check_unique("objects: mask values", [item.mask for item in self.objects])
+        types.check_unique("objects: ids", [item.id for item in self.objects])
+        types.check_unique("objects: mask values", [item.mask for item in self.objects])
         fixed = ("floor", "wall", "unnamed", "")
-        check_supports({item.id: item.measured_support for item in self.objects}, fixed)
+        types.check_supports({item.id: item.measured_support for item in self.objects}, fixed)
         walls = {wall.id: wall for wall in self.walls}
         for item in self.objects:
             check_status(item.id, item.status, item.reason)
@@ -195,12 +180,12 @@ class Objects(Document):
         return self
 
 
-def check_room(floor_from_camera: RigidTransform, walls: list[Wall]) -> None:
+def check_room(floor_from_camera: types.RigidTransform, walls: list[Wall]) -> None:
     """The camera is in the room: above the floor, before every wall."""
     camera = [row[3] for row in floor_from_camera[:3]]
     if camera[2] <= 0:
         raise ValueError("floor_from_camera: the camera is not above the floor: z is up")
-    check_unique("walls: ids", [wall.id for wall in walls])
+    types.check_unique("walls: ids", [wall.id for wall in walls])
     for wall in walls:
         if sum(n * c for n, c in zip(wall.normal, camera, strict=True)) < wall.offset:
             raise ValueError(f"walls: the camera is behind '{wall.id}': normal and offset of a wall face it")
@@ -224,7 +209,7 @@ def check_mounting(name: str, mounting: Mounting | None, walls: set[str]) -> Non
     """The walls that an object touches exist, each once."""
     if mounting is None:
         return
-    check_unique(f"objects: mounting.walls of '{name}'", mounting.walls)
+    types.check_unique(f"objects: mounting.walls of '{name}'", mounting.walls)
     for wall in mounting.walls:
         if wall not in walls:
             raise ValueError(f"objects: mounting.walls of '{name}' names '{wall}', which is not in walls")

@@ -9,16 +9,7 @@ from numpy.typing import NDArray
 from roomkin.stages.contracts.category import CategoryFacts, may_stand_on
 from roomkin.stages.contracts.objects import Box, Mounting, Wall
 from roomkin.stages.contracts.types import FLOOR, UNNAMED, WALL
-from roomkin.stages.extraction.contact import (
-    CONTACT_DISTANCE,
-    MAX_HIDDEN_DEPTH,
-    DepthView,
-    extend_to_wall,
-    find_touched_walls,
-    is_hanging,
-    measure_shelf,
-    resolve_stated_mounting,
-)
+from roomkin.stages.extraction import contact
 from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.objects import MeasuredObject
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox, footprint, with_bottom, with_top
@@ -49,7 +40,7 @@ def mount_objects(
     image: AnnotatedImage,
     walls: list[Wall],
     shown: dict[int, Wall],
-    view: DepthView,
+    view: contact.DepthView,
 ) -> list[MeasuredObject]:
     """The objects with mountings, supports, and boxes that reach down to these; supports are placed first.
 
@@ -65,7 +56,7 @@ def mount_objects(
         own = image.masks == one.object.mask
         stated, note = None, ""
         if one.stated.mounting is not None:
-            stated, note = resolve_stated_mounting(one.stated.mounting, box, shown)
+            stated, note = contact.resolve_stated_mounting(one.stated.mounting, box, shown)
             if note:
                 print(f"{scene} {name}: {note}: mounting by geometry")
         known = one.stated.box is not None
@@ -112,7 +103,7 @@ def find_carrier(
         share: least share of the box's footprint that lies over the carrier's, or within touching distance of it.
     """
     inside = max(sunk, float(box.size[2]) / 2)
-    plan, touching = footprint(box), min(CONTACT_DISTANCE, float(np.min(box.size[:2])) / 4)
+    plan, touching = footprint(box), min(contact.CONTACT_DISTANCE, float(np.min(box.size[:2])) / 4)
     tops = [
         (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
         for name, carrier in carriers.items()
@@ -128,7 +119,7 @@ def place_object(
     carriers: Mapping[str, UprightBox],
     others: list[UprightBox],
     walls: list[Wall],
-    view: DepthView,
+    view: contact.DepthView,
     own: NDArray[np.bool_],
     known: bool = False,
     stated: Mounting | None = None,
@@ -148,19 +139,21 @@ def place_object(
     """
     tolerance, sunk = view.tolerance(box.center), SUNK * view.distance(box.center)
     beneath, support = find_carrier(box, carriers, tolerance, sunk)
-    touched = find_touched_walls(box, others, walls, view, own, 0.0 if known else MAX_HIDDEN_DEPTH)
+    touched = contact.find_touched_walls(box, others, walls, view, own, 0.0 if known else contact.MAX_HIDDEN_DEPTH)
     seen = box.top - box.bottom
     is_column = support == FLOOR and box.top > MAX_STRETCH * seen and not known
-    if is_column and not (touched and is_hanging(box, beneath, view, own)):
+    if is_column and not (touched and contact.is_hanging(box, beneath, view, own)):
         height, near = find_carrier(box, carriers, tolerance, sunk, share=0.0)
         if box.bottom - height < 2 * tolerance:
             beneath, support = height, near
     is_stated = stated is not None and box.top - beneath < MAX_STRETCH * seen
     if unnamed is not None and not known and not is_stated and box.bottom - beneath > tolerance:
-        shelf = measure_shelf(box, walls, view, own, unnamed)
+        shelf = contact.measure_shelf(box, walls, view, own, unnamed)
         if shelf is not None and shelf > beneath + tolerance:
             beneath, support = shelf, UNNAMED
-    hangs = bool(touched) and (box.bottom - beneath > tolerance if known else is_hanging(box, beneath, view, own))
+    hangs = bool(touched) and (
+        box.bottom - beneath > tolerance if known else contact.is_hanging(box, beneath, view, own)
+    )
     if stated is None and category is not None and "floor" not in category.places:
         if is_column and support == FLOOR:  # in the air: a lamp of tables is no column
             hangs |= bool(touched) and "wall" in category.places
@@ -174,6 +167,6 @@ def place_object(
         support = WALL
     elif placed.bottom - beneath > tolerance:  # a stated box stays where it is
         support = UNNAMED
-    filled = placed if behind is None else extend_to_wall(placed, behind)
+    filled = placed if behind is None else contact.extend_to_wall(placed, behind)
     collapsed = bool(placed.size[2] < 1.5 * THINNEST and box.size[2] > tolerance)
     return Placement(mounting, measured, support, placed, filled, collapsed)

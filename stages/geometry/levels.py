@@ -5,17 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.geometry.room_planes import (
-    LEVEL,
-    PLANE_THRESHOLD,
-    STRAY,
-    Plane,
-    cell_normals,
-    find_up,
-    least_squares_plane,
-    sample_points,
-    scale_threshold,
-)
+from roomkin.stages.geometry import room_planes
 
 MIN_LEVEL = 0.05  # share of the largest level that another has at least: less is noise of a far floor; chosen
 FEWEST = 8  # cells of a level
@@ -30,7 +20,7 @@ BELOW = 0.015  # share of the points that may lie below the floor: reflections, 
 Array = NDArray[np.float64]
 
 
-def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[Plane]:
+def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[room_planes.Plane]:
     """Level surfaces that face up, the largest first: floors, table tops, seats; `inliers` over `points[known]`.
 
     All are parallel to the largest, to which a plane is fitted.
@@ -40,10 +30,10 @@ def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[Plan
         known: (H, W) pixels that count.
         up: (3,) as of `find_up`.
     """
-    centers, normals = cell_normals(points, known)
-    cells, cloud = centers[normals @ up > LEVEL], points[known]
+    centers, normals = room_planes.cell_normals(points, known)
+    cells, cloud = centers[normals @ up > room_planes.LEVEL], points[known]
     off = OFF_LEVEL * float(np.median(cloud[:, 2])) if len(cells) else 0.0
-    levels: list[Plane] = []
+    levels: list[room_planes.Plane] = []
     least: float = FEWEST
     while len(cells) >= least:
         heights = cells @ up
@@ -58,19 +48,19 @@ def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[Plan
             heights = cells @ up
         along = cloud @ up
         height = float(np.median(along[np.abs(along - height) < off]))
-        levels.append(Plane(up, height, np.abs(along - height) < off))
+        levels.append(room_planes.Plane(up, height, np.abs(along - height) < off))
         cells = cells[np.abs(heights - height) > 2 * off]
     return levels
 
 
 def _fit_level(cloud: Array, up: Array, height: float, off: float) -> tuple[Array, float]:
     """Unit normal (3,) and offset of the plane through the points (N, 3) near a height along `up`."""
-    some, normal, offset = sample_points(cloud, np.random.default_rng(0)), up, height
+    some, normal, offset = room_planes.sample_points(cloud, np.random.default_rng(0)), up, height
     for _ in range(ROUNDS):
         near = some[np.abs(some @ normal - offset) < off]
         if len(near) < FEWEST:
             break
-        fitted, at = least_squares_plane(near)
+        fitted, at = room_planes.least_squares_plane(near)
         fitted, at = (fitted, at) if fitted @ up > 0 else (-fitted, -at)
         if fitted @ up < LEVEL_FIT:
             break
@@ -80,7 +70,7 @@ def _fit_level(cloud: Array, up: Array, height: float, off: float) -> tuple[Arra
 
 def find_floor(
     points: Array, known: NDArray[np.bool_], free: NDArray[np.bool_], objects: Sequence[Array], up: Array
-) -> Plane | None:
+) -> room_planes.Plane | None:
     """The floor without a mask of it: the level (a table top, too) that most objects stand on.
 
     Of two with as many objects it is the one with fewer points below it.
@@ -94,16 +84,16 @@ def find_floor(
     """
     levels = find_levels(points, free, up) or find_levels(points, known, up)
     cloud = points[free if free.any() else known]
-    limit = -scale_threshold(cloud) if len(cloud) else 0.0
+    limit = -room_planes.scale_threshold(cloud) if len(cloud) else 0.0
 
-    def score(level: Plane) -> tuple[int, float]:
+    def score(level: room_planes.Plane) -> tuple[int, float]:
         below = float((cloud @ level.normal - level.offset < limit).mean())
         return sum(stands_on(one, level) for one in objects), -below
 
     return max(levels, key=score, default=None)
 
 
-def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Plane | None:
+def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> room_planes.Plane | None:
     """The level surface on which things stand in a picture without labels: a near table top, else the room's floor.
 
     The floor is the height with most points of those below which hardly any lie: the little that is seen of it between
@@ -114,7 +104,7 @@ def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Pla
         known: (H, W) pixels with depth.
         max_tilt: largest angle between image-up and its normal, degrees.
     """
-    up = find_up(points, known, max_tilt)
+    up = room_planes.find_up(points, known, max_tilt)
     if up is None:
         return None
     cloud = points[known]
@@ -131,10 +121,10 @@ def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Pla
     below = np.searchsorted(np.sort(heights), edges[:-1] - DEEPER) / len(heights)
     height = float(edges[np.argmax(counts * (below < BELOW))]) + STEP / 2
     near = np.abs(heights - height) < 1.5 * STEP
-    return Plane(up, float(np.median(heights[near])), near)
+    return room_planes.Plane(up, float(np.median(heights[near])), near)
 
 
-def stands_on(points: Array, level: Plane) -> bool:
+def stands_on(points: Array, level: room_planes.Plane) -> bool:
     """Whether the lowest of an object's points (N, 3), camera frame, are on a level."""
-    reach = PLANE_THRESHOLD * max(1.0, float(np.median(points[:, 2])))
-    return bool(abs(np.quantile(points @ level.normal - level.offset, STRAY)) < reach)
+    reach = room_planes.PLANE_THRESHOLD * max(1.0, float(np.median(points[:, 2])))
+    return bool(abs(np.quantile(points @ level.normal - level.offset, room_planes.STRAY)) < reach)
