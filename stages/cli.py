@@ -105,7 +105,8 @@ def list_flags(module: str) -> dict[str, bool]:
 def find_missing_path(module: str, given: list[str]) -> str:
     """What a command is to read and is not there, by the text of its module; "" if nothing, or help is wanted.
 
-    It reads its paths that have no default, or none (`None`, `()`), but those of `WRITTEN`.
+    It reads its paths that have no default or `None`, but those of `WRITTEN`; of lists that may be empty it says itself
+    what it misses.
     """
     run = _read_arguments(module)
     if run is None or run.args or {"-h", "--help"}.intersection(given):
@@ -113,7 +114,7 @@ def find_missing_path(module: str, given: list[str]) -> str:
     flags = {f"--{one.arg.replace('_', '-')}": one for one in run.kwonlyargs}
     picture = next((one for one in run.posonlyargs if _kind(one) == "Path"), None)  # Path | None: or a scene's name
     defaults = zip(run.kwonlyargs, run.kw_defaults, strict=True)
-    read = [picture, *(one for one, default in defaults if default is None or ast.unparse(default) in ("None", "()"))]
+    read = [picture, *(one for one, default in defaults if default is None or ast.unparse(default) == "None")]
     one = picture
     for word in given:
         flag, is_pair, value = word.partition("=") if word.startswith("--") else ("", "", word)

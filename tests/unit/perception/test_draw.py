@@ -50,7 +50,7 @@ def test_a_photograph_becomes_an_input_folder_and_a_drawing(image: Path, capsys:
     told = capsys.readouterr().out
     assert "m above the floor" in told, "the scale is told: it has no spread"
     assert told.count("is found") == 1 and "perception.heights: no wardrobe is found" in told
-    assert "3 things" in told and f"annotate '{image}' --out '{out}'\n" in told
+    assert "3 things" in told and f"roomkin annotator annotate '{out}'\n" in told
     scene = read_scene_input(out)
     assert [item.label for item in scene.annotations.objects] == ["fridge", "sofa", "coffee table"]
     box = scene.annotations.objects[0].box
