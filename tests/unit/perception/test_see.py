@@ -225,7 +225,7 @@ def test_what_stands_on_a_real_table_is_found(tmp_path: Path, published: None) -
     from_rgbd.run(out=tmp_path / "view", rgb=files["color"], depth=files["depth"], camera=lens)
     see.run(picture=tmp_path / "view", out=tmp_path / "seen")
     masks = cv2.imread(str(tmp_path / "seen/masks.png"), cv2.IMREAD_UNCHANGED)
-    drawn = cv2.imread(str(Path(real_frames.__file__).with_name("0000.png")), cv2.IMREAD_UNCHANGED)
+    drawn = cv2.imread(str(Path(real_frames.__path__[0]) / "0000.png"), cv2.IMREAD_UNCHANGED)
     shown = [masks == one.mask for one in read_json(Things, tmp_path / "seen/things.json").things]
     overlaps = [max((one & thing).sum() / (one | thing).sum() for one in shown) for thing in things_in(drawn)]
     assert len(overlaps) == 9 and min(overlaps) >= 0.5
