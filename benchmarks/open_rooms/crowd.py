@@ -22,7 +22,7 @@ UPON = 40  # things that are tried upon others; chosen
 class Own(packs.PackModel):
     """A model of ours, or of what is none of our categories; its name is its number."""
 
-    def _read(self) -> list[packs.PaintedMesh]:
+    def read(self) -> list[packs.PaintedMesh]:
         """Its parts, in their colors as screens show them."""
         rng = np.random.default_rng(np.random.SeedSequence((MODELS, *self.kind.encode(), int(self.name))))
         return [_convert(part) for part in parts_of(self._build(rng))]
