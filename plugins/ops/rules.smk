@@ -2,7 +2,6 @@
 import atexit
 import sys
 
-from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
 from roomkin.plugins.ops.verify import list_for_run, warn_of_changed
@@ -17,7 +16,8 @@ if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryru
     try:
         LOCKED = hold_folder()
     except InputError as error:
-        raise WorkflowError(f"{error} [{error.code}]") from None
+        print(f"error: {error} [{error.code}]", file=sys.stderr)  # one line: Snakemake would add this file and its line
+        sys.exit(1)
     RESULTS = Path("results").absolute()  # at the end Snakemake leaves the folder
     CHANGED = warn_of_changed(list_for_run(RESULTS), RESULTS)
     atexit.register(warn_of_changed, CHANGED, RESULTS)  # again beneath "Nothing to be done"

@@ -26,6 +26,7 @@ from roomkin.stages.contracts.files import decode_file
 from roomkin.stages.contracts.hand import digest_of_image, digest_of_picture
 from roomkin.stages.contracts.section import Section
 
+CAMERA_MEND = "camera (--intrinsics of roomkin picture, INTRINSICS of make picture), or fx, fy, cx and cy, or fov"
 UNFIT = re.compile(r"-|.*[{}\ud800-\udfff]", re.DOTALL)  # paths of options, of wildcards, of no text
 
 
@@ -162,9 +163,9 @@ class Picture(Section):
             yield "drawing", "is given, but no picture without depth", "leave it out"
         cameras = [bool(self.camera), bool(self.intrinsics), self.fov is not None]
         if sum(cameras) > 1:
-            yield "camera", "is given in two ways", "camera, or fx, fy, cx and cy, or fov"
+            yield "camera", "is given in two ways", CAMERA_MEND
         if len(self.intrinsics) in (1, 2, 3) or (self.depth and not any(cameras)):
-            yield "camera", "nothing says what camera took the picture", "camera, or fx, fy, cx and cy, or fov"
+            yield "camera", "nothing says what camera took the picture", CAMERA_MEND
         for name in sorted(self.model_fields_set - {"image", "fov", "depth", "drawing"} if self.alone else ()):
             yield name, "is given for a picture without depth", "give depth, or leave it out"
 

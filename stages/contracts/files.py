@@ -149,7 +149,9 @@ def read_text(path: Path, fix: str = "") -> str:
     except FileNotFoundError:
         raise file_missing(path, fix) from None
     except UnicodeDecodeError:
-        raise InputError(path, "is no UTF-8 text.", fix or "save it as UTF-8", code="E-FILE-ENCODING") from None
+        raise InputError(
+            path, "is no UTF-8 text.", fix or "name a text file, or save it as UTF-8", code="E-FILE-ENCODING"
+        ) from None
     except OSError as error:
         raise InputError(path, f"cannot be read ({explain(error)}).", fix, code="E-FILE-UNREADABLE") from None
 

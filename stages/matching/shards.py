@@ -16,14 +16,21 @@ from roomkin.stages.matching.text_encoders import make_text_encoder
 MODELS, CATEGORIES = 150, 40
 
 
-def run(*, objects: Path, library: Path, snapshots: Path, out: Path, options: str = "{}") -> None:
+def run(
+    *,
+    objects: Path,
+    library: Path,
+    out: Path,
+    snapshots: Path = Path("results/assets/snapshots"),
+    options: str = "{}",
+) -> None:
     """Write shards.json: what is drawn already, as far as it holds candidates, and parts of the library to be drawn.
 
     Args:
         objects: objects.json of extraction.
         library: library.json of the assets stage.
-        snapshots: folder of the shards that are drawn; it may not exist yet.
         out: shards.json to write.
+        snapshots: folder of the shards that are drawn; it may not exist yet.
         options: JSON of the config section `matching`, of candidates.
     """
     settings = read_options(CandidateOptions, options)

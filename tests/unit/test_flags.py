@@ -75,6 +75,7 @@ def test_a_wrong_flag_ends_before_torch_is_imported() -> None:
         ("roomkin.picture", ["a.png", "--config", "nowhere", "--cores", "2"], ""),
         ("roomkin.picture", ["--cores", "2", "a.png"], ""),
         ("roomkin.correct", ["scene", "--results", "nowhere"], ""),
+        ("roomkin.stages.matching.shards", ["--snapshots", "nowhere"], ""),  # nothing is drawn yet
         ("roomkin.plugins.report.report", ["--benchmarks", "a.png", "nowhere"], ""),  # Snakemake writes not every one
         ("roomkin.plugins.annotator.annotate", ["a.png", "--out", "new", "--camera", "a.png/x"], "a.png/x"),
     ],

@@ -295,6 +295,18 @@ def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall(tmp_path
     assert session.support(asked) == {"on": "back"} and session.support(asked | {"stands": True}) == {"on": "floor"}
 
 
+@pytest.mark.parametrize("unsure", [False, True])
+def test_what_a_person_hung_hangs_although_something_stands_right_below_it(tmp_path: Path, unsure: bool) -> None:
+    drawing = _drawing()
+    above = _pixels(corners(UprightBox([-0.5, 3.35, 1.05], [0.7, 0.3, 0.3], 0.0)))
+    hung = drawing.objects[2]
+    hung.points, hung.unsure, hung.label = [above[k] for k in (0, 5, 7)], unsure, "microwave"
+    _write(tmp_path, _noise(), drawing)
+    extract(input=tmp_path, scene="drawn", out=tmp_path / "out" / "objects.json")
+    found = read_json(Objects, tmp_path / "out" / "objects.json").objects[2]
+    assert found.mounting is not None and found.mounting.type == (3 if unsure else 1)
+
+
 def test_what_stands_far_back_on_a_top_of_guessed_depth_is_put_onto_it() -> None:
     deep, oven = (
         UprightBox([-0.5, 3.5, 0.6], [1.2, 1.2, 1.2], 0.0),

@@ -13,7 +13,7 @@ from roomkin.stages.contracts.hand import PROJECT
 from roomkin.stages.contracts.images import color_of
 from roomkin.stages.contracts.objects import Box, object_ids
 from roomkin.stages.contracts.scene_input import write_scene_input
-from roomkin.stages.contracts.scenes import Annotation
+from roomkin.stages.contracts.scenes import Annotation, Held
 from roomkin.stages.contracts.things import THINGS, Found, Thing, Things
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import invert_transform, round_vector, transform_points, wrap_angle, yaw_of_matrix
@@ -93,10 +93,11 @@ def finish_drawing(project: Project, depth: NDArray[np.float32] | None) -> tuple
     return project, solve(project)
 
 
-def _annotate(item: DrawnObject, value: int, solved: Solved) -> Annotation:
-    box = solved.boxes[item.id]
+def _annotate(item: DrawnObject, values: dict[str, int], walls: list[int], solved: Solved) -> Annotation:
+    """What is told of a thing, by mask values of all that was drawn and those of walls that are seen."""
+    box, wall = solved.boxes[item.id], values.get(item.on)
     return Annotation(
-        mask=value,
+        mask=values[item.id],
         label=item.label.strip() or "object",
         articulated=item.articulated or item.doors + item.drawers > 0,
         doors=item.doors,
@@ -105,6 +106,7 @@ def _annotate(item: DrawnObject, value: int, solved: Solved) -> Annotation:
         box=floor_box(solved.view, box),
         guessed=item.id in solved.guessed,
         front=None if item.round else front_of(solved.view, box, item.faces),
+        mounting=Held(type=1, walls=[wall]) if wall in walls and not item.unsure else None,
         doubts=solved.doubts.get(item.id, []) + (doubt_name(item.names) if item.unsure else []),
         proposals=[one.name for one in item.names] if item.unsure else [],
     )
@@ -161,10 +163,11 @@ def write_folder(
         picture=name_picture(Path(project.picture)),
         digest=project.digest,
     )
+    walls = [values[wall.id] for wall in project.walls if values[wall.id] in shown]
     annotations = Annotations(
-        objects=[_annotate(item, values[item.id], solved) for item in seen],
+        objects=[_annotate(item, values, walls, solved) for item in seen],
         floor=values["floor"] if values["floor"] in shown else None,
-        walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],
+        walls=walls,
     )
     write_json(folder / THINGS, Things(walls=len(annotations.walls), things=things))
     write_scene_input(folder, rgb, painted.depth if depth is None else depth, camera, masks, annotations)

@@ -1,6 +1,5 @@
 """A photograph as the page and the input folder use it: upright, 8-bit RGB, small enough for a screen."""
 
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -97,11 +96,9 @@ def exif_focal(exif: Image.Exif, width: int, height: int) -> float | None:
 
 def _exif(path: Path) -> tuple[Image.Exif, bool]:
     """EXIF data of a picture, and whether it says to be a panorama."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with Image.open(path) as image:
-            xmp = image.info.get("xmp", b"")
-            return image.getexif(), b"GPano:ProjectionType" in (xmp if isinstance(xmp, bytes) else str(xmp).encode())
+    with open_picture(path) as image:  # a PNG may have them at its end, which may be cut off
+        xmp = image.info.get("xmp", b"")
+        return image.getexif(), b"GPano:ProjectionType" in (xmp if isinstance(xmp, bytes) else str(xmp).encode())
 
 
 def _check_perspective(path: Path, panorama: bool, width: int, height: int) -> None:
