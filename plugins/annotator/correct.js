@@ -100,6 +100,7 @@ function take(mask) {
   edit((project) => project.objects.push(taken(mask)));
   state.chosen = `drawn_${mask}`;
   choose('select');
+  seek();
 }
 
 function panel() {
