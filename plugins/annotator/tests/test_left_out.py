@@ -100,9 +100,9 @@ def test_a_click_on_the_dashed_outline_takes_it(browser: Any, session: Correctin
         assert page.locator("#left-out").is_hidden() and page.locator("#view .offer").count() == 0
         page.locator("#delete").click()
         assert _told(page, session) == []
-        page.set_viewport_size({"width": 1400, "height": 240})
+        page.set_viewport_size({"width": 1400, "height": 400})
         page.locator("#left-out button").click()
-        assert page.locator("#object").bounding_box()["y"] < 240, "its form is seen"
+        assert page.locator("#object").bounding_box()["y"] < 200, "its form is sought"
         page.set_viewport_size({"width": 1400, "height": 900})
         assert _told(page, session)[0]["label"] == "fridge"
         page.keyboard.press("Control+z")
