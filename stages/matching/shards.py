@@ -7,7 +7,7 @@ from pathlib import Path
 from roomkin.stages.config.matching import CandidateOptions
 from roomkin.stages.contracts import Library, Objects, read_json, read_options, write_json
 from roomkin.stages.contracts.errors import count
-from roomkin.stages.contracts.library import LibraryEntry
+from roomkin.stages.contracts.library import LibraryEntry, SnapshotShard
 from roomkin.stages.contracts.library_folder import SceneShards, holds, name_part
 from roomkin.stages.matching.candidates import find_candidates
 from roomkin.stages.matching.text_encoders import make_text_encoder
@@ -38,12 +38,16 @@ def run(
     found = [item for item in read_json(Objects, objects).objects if item.status == "ok"]
     reached = {entry.category for item in found for entry in find_candidates(item, whole, text, settings).assets}
     wanted = [entry for entry in whole.assets if entry.category in reached] or whole.assets
-    drawn = [path.stem.removeprefix("shard_") for path in sorted(snapshots.glob("shard_*.json"))]
+    drawn = {
+        path.stem.removeprefix("shard_"): set(read_json(SnapshotShard, path).assets)
+        for path in sorted(snapshots.glob("shard_*.json"))
+    }
     shards = choose_shards(wanted, drawn)
     write_json(out, SceneShards(shards=shards))
-    lacking = sum(not any(holds(shard, entry) for shard in drawn) for entry in wanted)
+    held = {shard: {entry.id for entry in whole.assets if holds(shard, entry)} for shard in shards}
+    lacking = sum(len(models) for shard, models in held.items() if drawn.get(shard) != models)  # a shard is drawn whole
     compared = f"{count(len(found), 'object')} to compare with {len(wanted)} of {count(len(whole.assets), 'model')}"
-    print(f"{compared}; {lacking or 'none'} of those must be drawn first")
+    print(f"{compared}; {lacking or 'none'} of the library must be drawn first")
 
 
 def choose_shards(wanted: Sequence[LibraryEntry], drawn: Iterable[str]) -> list[str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from roomkin.stages.assets.part import run as part
-from roomkin.stages.contracts import Cousins, LibraryPart, read_json
+from roomkin.stages.contracts import Cousins, Library, LibraryPart, read_json
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.library_folder import SceneShards, holds, name_part
 from roomkin.stages.matching.features import run as features
@@ -46,7 +46,9 @@ def test_what_is_drawn_is_used_and_only_what_lacks_is_named(
     assert all(any(holds(shard, entry) for shard in chosen) for entry in wanted)
 
 
-def test_matching_with_what_a_picture_needs_finds_the_same_as_with_all(tmp_path: Path) -> None:
+def test_matching_with_what_a_picture_needs_finds_the_same_as_with_all(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """By the cabinets alone, of a library that has shelves and bowls, too."""
     world = World(tmp_path)
     objects = write_scene(tmp_path / "picture", [("cabinet_00", 0.5, {}), ("cabinet_02", -0.4, {"label": "cupboard"})])
@@ -66,7 +68,13 @@ def test_matching_with_what_a_picture_needs_finds_the_same_as_with_all(tmp_path:
     some, whole = (read_json(Cousins, tmp_path / f"{which}.json") for which in ("some", "all"))
     assert some.objects == whole.objects and some.objects[0].cousins[0].asset == "cabinet_00"
 
+    capsys.readouterr()
     shards(objects=world.objects, library=world.library, snapshots=drawn, out=tmp_path / "next.json")
+    all_models = len(read_json(Library, world.library).assets)
+    assert f"; {all_models - len(models)} of the library must be drawn first" in capsys.readouterr().out
+    write_snapshots(drawn / f"shard_{name}.h5", models[1:])  # one is new: all that is drawn with it is drawn again
+    shards(objects=world.objects, library=world.library, snapshots=drawn, out=tmp_path / "next.json")
+    assert f"; {all_models} of the library must be drawn first" in capsys.readouterr().out
     first, second = read_json(SceneShards, tmp_path / "next.json").shards
     assert first == name and second == name_part(["bowl", "shelf"])
     given |= {"objects": world.objects, "image": world.objects.parent / "rgb.png"}
