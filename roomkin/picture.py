@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from roomkin.stages.config.packages import load_command
+from roomkin.stages.contracts.errors import file_missing
 from roomkin.workflow import run_snakemake
 
 
@@ -31,6 +32,9 @@ def run(
         cores: jobs at a time; each takes up to 2 GB.
     """
     named = {"image": image, "depth": depth, "camera": intrinsics}
+    for path in config:  # a list, which is not looked over before
+        if not path.exists():
+            raise file_missing(path)
     load_command("perception", "fetch")()
     then = partial(_show, image) if sys.stdout.isatty() else None
     files = ["--configfile", *map(str, config)] if config else []

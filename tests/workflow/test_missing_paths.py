@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from roomkin import picture
 from roomkin.stages.cli import find_missing_path, find_module
 from tests.commands import list_commands, read_flags
+from tests.refusals import refused
 from tests.workflow.workspace import ROOT
 
 # They are given nothing that has to be there. `correct` and `after` take a picture by its scene's name, too.
@@ -53,6 +55,12 @@ print(json.dumps(found))
 def test_a_path_that_is_not_there_is_found(module: str, given: list[str], missing: str) -> None:
     Path("a.png").touch()
     assert find_missing_path(module, given) == missing
+
+
+def test_a_config_that_is_not_there_is_refused_before_weights_are_fetched(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(picture, "load_command", lambda *_: pytest.fail("something is done"))
+    with refused("E-FILE-MISSING", "nowhere.yaml"):
+        picture.run(Path("a.png"), config=(Path("nowhere.yaml"),))
 
 
 def test_every_command_says_what_is_missing_before_it_imports_anything_large() -> None:
