@@ -33,7 +33,7 @@ from roomkin.stages.perception.drawing.paint import extend, paint
 from roomkin.stages.perception.drawing.project import DrawnObject, DrawnWall, Project, Scale
 from roomkin.stages.perception.drawing.solve import UNSURE, solve
 from roomkin.stages.perception.drawing.write import Written, at_size, finish_drawing, write_folder
-from roomkin.stages.perception.read.photo import LONGEST_SIDE, read_photo
+from roomkin.stages.perception.read.photo import LONGEST_SIDE, check_photo, read_photo
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 320, 240
@@ -115,7 +115,7 @@ def test_modes_of_pictures(tmp_path: Path, mode: str) -> None:
     assert read_photo(path).rgb.shape == (48, 64, 3)
 
 
-@pytest.mark.parametrize("what", ["panorama", "wide", "black", "heic", "tiny", "text", "none"])
+@pytest.mark.parametrize("what", ["panorama", "wide", "black", "heic", "tiny", "text", "cut", "none"])
 def test_what_is_no_photograph_is_said_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, what: str
 ) -> None:
@@ -129,13 +129,18 @@ def test_what_is_no_photograph_is_said_in_one_line(
         path.write_bytes(b"\0\0\0\x18ftypheic" + bytes(100))
     elif what == "text":
         path.write_text("no picture")
+    elif what == "cut":  # looked at by its header alone, and by what a PNG may have behind its pixels
+        Image.fromarray(_noise()).save(path)
+        path.write_bytes(path.read_bytes()[:20_000])
+        with refused("E-IMAGE-UNREADABLE"):
+            check_photo(path)
     elif what != "none":
         size = {"wide": (500, 200), "black": (64, 48), "tiny": (12, 12)}[what]
         Image.fromarray(_noise(*size) * (what != "black")).save(path)
     with pytest.raises(InputError) as caught:
         annotate.run(path, browser=False)
     says = {"wide": "panorama", "black": "one color", "heic": "pillow-heif", "tiny": "too small"}.get(what, what)
-    expected = {"text": "not a readable image", "none": "no such file"}.get(what, says)
+    expected = {"text": "not a readable image", "cut": "not a readable image", "none": "no such file"}.get(what, says)
     assert expected in str(caught.value) and "\n" not in str(caught.value)
     assert list(tmp_path.iterdir()) == ([] if what == "none" else [path])  # no folder was begun
 
