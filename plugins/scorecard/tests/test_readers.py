@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from roomkin.plugins.scorecard import placing, reading, scoring, solids
-from roomkin.plugins.scorecard.readers import mjcf, solid
+from roomkin.plugins.scorecard.readers import mjcf, plain, solid
 from roomkin.plugins.scorecard.submission import Submission
 from roomkin.plugins.scorecard.tests.rooms import CABINET, HEAD, MUG, POSE, TABLE, TRUTH
 from roomkin.plugins.scorecard.truth import TrueThing
@@ -218,6 +218,7 @@ def test_a_thing_may_name_its_mesh(tmp_path: Path, kind: str) -> None:
         ("chair.ply", "is no GLB or OBJ"),
         ("broken.obj", "has no mesh"),
         ("broken.glb", "has no mesh"),
+        ("large.obj", "of 50 MB at most"),
     ],
 )
 def test_a_mesh_that_is_elsewhere_or_broken_is_told(tmp_path: Path, mesh: str, told: str) -> None:
@@ -227,6 +228,8 @@ def test_a_mesh_that_is_elsewhere_or_broken_is_told(tmp_path: Path, mesh: str, t
     (folder / "link").symlink_to(tmp_path)
     for name in ("broken.obj", "broken.glb", "chair.ply"):
         (folder / name).write_text("v 0 0 0")
+    with (folder / "large.obj").open("wb") as large:
+        large.truncate(plain.LARGEST + 1)  # takes no disk
     assert told in write_thing(folder, mesh).unread["toy_room_1"]
 
 
@@ -291,3 +294,17 @@ def test_a_usd_stage_of_several_files_is_refused(tmp_path: Path, line: str) -> N
     path = write_usd(tmp_path)
     path.write_text(f"{path.read_text()}\n{line}\n")
     assert "names other layers" in read(tmp_path).unread["toy_room_1"]
+
+
+@pytest.mark.parametrize(
+    ("without", "told"), [("thing", "has no prim that is a thing"), ("camera", "has no camera called 'camera'")]
+)
+def test_a_usd_stage_without_things_or_camera_is_told(tmp_path: Path, without: str, told: str) -> None:
+    from pxr import Usd
+
+    stage = Usd.Stage.Open(str(write_usd(tmp_path)))
+    for prim in stage.GetPrimAtPath("/World").GetChildren():
+        if prim.GetName().startswith(without):
+            stage.RemovePrim(prim.GetPath())
+    stage.Save()
+    assert told in read(tmp_path).unread["toy_room_1"]
