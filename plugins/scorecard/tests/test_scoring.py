@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from roomkin.plugins.scorecard import card, carrying, measures, naming, pairing, placing, scoring
+from roomkin.plugins.scorecard import card, carrying, measures, naming, pairing, placing, scoring, solids, standing
 from roomkin.plugins.scorecard.scoring import ThingRow
 from roomkin.plugins.scorecard.submission import About, RoomScene, Submission, SubmittedRoom
 from roomkin.plugins.scorecard.tests.rooms import CABINET, HEAD, MUG, POSE, TABLE, TRUTH, room, say
@@ -182,6 +182,23 @@ def test_what_is_in_a_bed_s_box_stands_on_it_and_what_hangs_in_the_air_falls() -
     assert rows["cup"].stands and rows["dining table"].stands
     assert not score(room(say(MUG, center=[2.0, 2.2, 0.95]), say(TABLE)))["cup"].stands
     assert score(room(say(MUG, support="wall"), say(CABINET)))["cup"].stands  # it is held
+
+
+def test_depths_are_those_of_pieces_alone() -> None:
+    boxes = [UprightBox((x, 0, 0.5), (1, 1, 1), 0.0) for x in (0, 0.9, 5, 5.9)]
+    piece = np.asarray(trimesh.creation.box((1, 1, 1)).vertices)
+    depths = standing.measure_depths(boxes, {3: [piece]})
+    assert depths[2, 3] == depths[3, 2] == pytest.approx(0.1, abs=0.01) and np.count_nonzero(depths) == 2
+
+
+def test_pieces_that_miss_an_end_or_have_no_thickness_are_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    def cut(*extents: tuple[float, float, float]) -> int:
+        pieces = [{"vertices": trimesh.creation.box(each).vertices} for each in extents]
+        monkeypatch.setattr(trimesh.decomposition, "convex_decomposition", lambda *_, **__: pieces)
+        return len(solids.cut_solid(trimesh.creation.box((1, 1, 1)), UprightBox((0, 0, 0), (1, 1, 1), 0.0)))
+
+    assert cut((1, 1, 1), (1, 1, 0)) == 1
+    assert cut((1, 1, 0.97), (1, 1, 0.5)) == 2 and cut((1, 1, 0.9), (1, 1, 0.5)) == 0
 
 
 def test_a_thing_that_leans_over_an_edge_tips() -> None:
