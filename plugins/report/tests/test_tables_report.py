@@ -231,6 +231,15 @@ def test_page_shows_what_was_declared_and_nothing_else(made: Path, tmp_path: Pat
     assert "old_library" not in (tmp_path / "times.html").read_text()
 
 
+def test_the_variant_of_the_default_run_stands_first(made: Path, tmp_path: Path) -> None:
+    results = tmp_path / "run/results"
+    shutil.copytree(made, results.parent)
+    for stage in ("matching", "generation"):
+        shutil.copytree(results / stage / "default/room_1", results / stage / "c-local/room_1")
+    text = page(results.parent, tmp_path / "index.html", **declared(results.parent))
+    assert 0 < text.index("Variant default") < text.index("Variant c-local")
+
+
 def test_times_stand_on_a_page_of_their_own(made: Path, tmp_path: Path) -> None:
     text = page(made, tmp_path / "index.html")
     times = (tmp_path / "times.html").read_text()
