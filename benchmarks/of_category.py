@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts import TaskAssets, read_json
 from roomkin.stages.tables.intervals import Interval, difference_interval, pair_sides, rate_interval, rate_of, side_of
 

@@ -21,8 +21,11 @@ import torch  # noqa: E402
 from roomkin.plugins.furniture.library import make  # noqa: E402
 from roomkin.stages.config.training import TrainingSection  # noqa: E402
 from roomkin.stages.contracts.policy_config import TaskConfig  # noqa: E402
-from roomkin.stages.policies.base import TrainablePolicy, make_policy  # noqa: E402
-from roomkin.stages.policies.checkpoint import load_network  # noqa: E402
+from roomkin.stages.policies.base import (  # noqa: E402
+    TrainablePolicy,
+    load_network,
+    make_policy,
+)
 from roomkin.stages.tasks.api import EnvWrapper  # noqa: E402
 
 

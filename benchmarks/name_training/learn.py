@@ -23,8 +23,7 @@ from benchmarks.name_training.rooms import MadeRoom, furnish, make_pool
 from benchmarks.name_training.solids import Rng
 from roomkin.plugins.furniture.catalogue import CATEGORIES
 from roomkin.stages.contracts.files import write_atomically
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.frames import back_project, transform_points
 from roomkin.stages.perception.classification.network import NUMBERS, ShapeNetwork
 from roomkin.stages.perception.classification.propose import AROUND, FAR, NETWORK, POINTS, ShapeInput, measure_shape
 

@@ -11,8 +11,7 @@ from benchmarks.name_training.rooms import FLOOR, MadeRoom, triangles
 from benchmarks.name_training.solids import Array, Rng, cast_rays, cast_scene
 from roomkin.stages.config.inputs import DepthNoiseConfig
 from roomkin.stages.extraction.noise import noisy_depth, smooth_field
-from roomkin.stages.geometry.cameras import back_project, look_at, make_intrinsics
-from roomkin.stages.geometry.frames import make_transform, transform_points
+from roomkin.stages.geometry.frames import back_project, look_at, make_intrinsics, make_transform, transform_points
 from roomkin.stages.geometry.room_planes import Plane, make_floor_frame
 
 WIDTH, HEIGHT = 320, 240  # pixels

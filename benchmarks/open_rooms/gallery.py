@@ -8,7 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.open_rooms import pictures
-from roomkin.plugins.pictures.painting import draw_side_by_side, resize_to
+from roomkin.plugins.pictures.look import draw_side_by_side, resize_to
 from roomkin.plugins.pictures.scenes import run as draw_scenes
 from roomkin.stages.contracts.images import read_rgb
 

@@ -17,7 +17,7 @@ from trimesh.visual.material import SimpleMaterial
 
 from benchmarks.name_training.solids import JUNK
 from benchmarks.open_rooms.blend import Piece, read_pieces
-from roomkin.plugins.scorecard.naming import ThingNames, stated_kinds
+from roomkin.plugins.scorecard.measures import ThingNames, stated_kinds
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.geometry.frames import make_transform
 

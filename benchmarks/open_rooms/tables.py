@@ -7,8 +7,8 @@ import pandas as pd
 
 from benchmarks.open_rooms.pictures import MASKS
 from benchmarks.open_rooms.sureness import JUDGED, judge_sureness
+from roomkin.plugins.scorecard.card import OPTIONS, share, side_of_things, table
 from roomkin.plugins.scorecard.measures import FACING
-from roomkin.plugins.scorecard.shares import OPTIONS, share, side_of_things, table
 from roomkin.stages.tables.intervals import pair_sides, quantiles, rate_of, resample_rates
 
 MEASURES = ["sensible", "size", "place", "yaw", "facing", "carrier", "stable", "panels", "hinges", "handles"]

@@ -8,9 +8,9 @@ from functools import partial
 from pathlib import Path
 
 from roomkin.plugins.annotator.correcting import Correcting
+from roomkin.plugins.annotator.said import is_bare, name_drawn
 from roomkin.plugins.annotator.server import Page, PageServer
 from roomkin.plugins.annotator.session import Session
-from roomkin.plugins.annotator.shown import is_bare, name_drawn
 from roomkin.stages.config.inputs import describe_missing, scene_of_folder
 from roomkin.stages.contracts import Camera, InputError, Library, read_json
 from roomkin.stages.contracts.categories import known_categories

@@ -11,20 +11,21 @@ from numpy.typing import NDArray
 
 from roomkin.plugins.annotator.clicking import Clicked
 from roomkin.plugins.annotator.cures import Cure, find_beneath, list_cures, match_walls
-from roomkin.plugins.annotator.fronts import jpeg, rectify_front
+from roomkin.plugins.annotator.described import jpeg, rectify_front
 from roomkin.plugins.annotator.kept import Kept
 from roomkin.plugins.annotator.last_run import LastRun, describe_doubt, read_last_run
-from roomkin.plugins.annotator.said import Said, find_changes
-from roomkin.plugins.annotator.session import Answer
-from roomkin.plugins.annotator.shown import (
+from roomkin.plugins.annotator.said import (
+    Said,
     ShownPicture,
     ShownThing,
+    find_changes,
     is_bare,
     name_drawn,
     read_bare,
     view_room,
     write_masks,
 )
+from roomkin.plugins.annotator.session import Answer
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.hand import Correction, Corrections, is_drawn

@@ -11,7 +11,7 @@ from roomkin.stages.contracts.doubt import Doubt, DoubtKind
 from roomkin.stages.contracts.generated import PlacedObject
 from roomkin.stages.contracts.objects import Objects, Wall
 from roomkin.stages.contracts.types import FLOOR, WALL
-from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.frames import PointMap
 from roomkin.stages.geometry.masks import look_below
 
 NEAR = 0.02  # share of the picture's height within which something lies just below a thing; chosen

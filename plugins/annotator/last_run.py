@@ -22,9 +22,8 @@ from roomkin.stages.contracts.objects import SceneObject, Wall
 from roomkin.stages.contracts.types import Pixel
 from roomkin.stages.extraction.depth_error import NICHE
 from roomkin.stages.geometry.boxes import FACES, UprightBox, corners, extents, front_corners, is_behind
-from roomkin.stages.geometry.cameras import project
-from roomkin.stages.geometry.frames import invert_transform, transform_points
-from roomkin.stages.tables.order import variant_key
+from roomkin.stages.geometry.frames import invert_transform, project, transform_points
+from roomkin.stages.tables.rows import variant_key
 
 MAX_MODELS = 24  # models that can be chosen, nearest first
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from roomkin.plugins.annotator.clicking import OUTLINES, Clicked
-from roomkin.plugins.annotator.described import describe_room
-from roomkin.plugins.annotator.fronts import jpeg, rectify_front
+from roomkin.plugins.annotator.described import describe_room, jpeg, rectify_front
 from roomkin.plugins.annotator.kept import Kept
 from roomkin.plugins.annotator.last_run import find_picture
 from roomkin.stages.config.inputs import scene_of_folder

@@ -10,8 +10,14 @@ from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.contracts.trained import read_config
 from roomkin.stages.plugins import load
-from roomkin.stages.policies.base import ActionMode, Float, RolloutPolicy, TrainablePolicy, make_rollout_policy
-from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.policies.base import (
+    ActionMode,
+    Float,
+    RolloutPolicy,
+    TrainablePolicy,
+    load_network,
+    make_rollout_policy,
+)
 
 
 class LoadedPolicy:

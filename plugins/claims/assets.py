@@ -9,10 +9,9 @@ from typing import get_args
 import numpy as np
 import pandas as pd
 
-from roomkin.stages.config.tables import MethodTables, TablesConfig
+from roomkin.stages.config.evaluation import MethodTables, TablesConfig
 from roomkin.stages.contracts.library import HandleKind
-from roomkin.stages.tables.cells import CELL, RATE, in_order, rates, tabulate_gains
-from roomkin.stages.tables.order import SKILL, SPLITS
+from roomkin.stages.tables.rows import CELL, RATE, SKILL, SPLITS, in_order, rates, tabulate_gains
 from roomkin.stages.tables.table3 import BASELINE, RANDOMISED
 
 FIRST = ""  # stands for the first policy of a target

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from roomkin.plugins.claims import power
 from roomkin.plugins.claims.assets import find_judged_set
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.tables import intervals
-from roomkin.stages.tables.cells import ROW
-from roomkin.stages.tables.order import SKILL, SPLITS, set_key
+from roomkin.stages.tables.rows import ROW, SKILL, SPLITS, set_key
 from roomkin.stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
 
 NOT_WORSE = 0.10  # as well as the twin on the twin: not worse by more than this

@@ -12,16 +12,12 @@ from matplotlib.axes import Axes
 from roomkin.plugins.claims import assets, claims, tables
 from roomkin.plugins.claims.assets import find_judged_set, first_policies, of_splits
 from roomkin.plugins.claims.trainings import failed_note, read_trainings
-from roomkin.stages.config.tables import PolicyTables, TablesConfig
-from roomkin.stages.tables.cells import ROW, rates
+from roomkin.stages.config.evaluation import PolicyTables, TablesConfig
 from roomkin.stages.tables.figures import Panels, Row, color, draw_rates, mark_not_run, marker, of_row, rate_axis
-from roomkin.stages.tables.markup import TextTable
-from roomkin.stages.tables.methods import Kinds, kinds_of
-from roomkin.stages.tables.order import SKILL, row_title, set_key
 from roomkin.stages.tables.policies import More, PolicyResults
-from roomkin.stages.tables.policy_tables import policy_notes
-from roomkin.stages.tables.rows import records
-from roomkin.stages.tables.text import distance_from_twin
+from roomkin.stages.tables.policy_tables import Kinds, kinds_of, policy_notes
+from roomkin.stages.tables.rows import ROW, SKILL, rates, records, row_title, set_key
+from roomkin.stages.tables.text import TextTable, distance_from_twin
 
 AXES = ["feature_distance", "handle_length"]
 

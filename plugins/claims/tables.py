@@ -7,15 +7,13 @@ import pandas as pd
 
 from roomkin.plugins.claims import power
 from roomkin.plugins.claims.claims import COLLAPSED, MIN_RUNS, MIN_SPREAD_RUNS, NOT_WORSE
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts.errors import count
-from roomkin.stages.tables.markup import TextTable, read_notes
-from roomkin.stages.tables.methods import Kinds
-from roomkin.stages.tables.order import CLOUDS, SKILL, row_title, set_key, target_title, title
-from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.policy_tables import Kinds
+from roomkin.stages.tables.rows import CLOUDS, SKILL, records, row_title, set_key, target_title, title
 from roomkin.stages.tables.scene_tables import format_confidence
 from roomkin.stages.tables.table3 import BASELINE, RANDOMISED
-from roomkin.stages.tables.text import NOT_RUN, NOTHING, cell, interval, number, percent, points
+from roomkin.stages.tables.text import NOT_RUN, NOTHING, TextTable, cell, interval, number, percent, points, read_notes
 
 PACKAGE = "roomkin.plugins.claims"  # has their notes
 SENTENCES = {

@@ -12,11 +12,8 @@ from roomkin.stages.contracts import read_json, trained
 from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.trained import TrainedPolicy
 from roomkin.stages.plugins import shorten_name
-from roomkin.stages.tables.cells import in_order
-from roomkin.stages.tables.markup import TextTable, read_notes
-from roomkin.stages.tables.order import row_title, title
-from roomkin.stages.tables.rows import read_table, records
-from roomkin.stages.tables.text import NOTHING, cell, number
+from roomkin.stages.tables.rows import in_order, read_table, records, row_title, title
+from roomkin.stages.tables.text import NOTHING, TextTable, cell, number, read_notes
 from roomkin.stages.tables.writing import write
 
 ALIKE = ["target", "policy", "run"]  # trainings whose losses can be compared: one target's assets, one method

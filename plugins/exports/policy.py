@@ -12,8 +12,7 @@ from roomkin.stages.contracts.policy_config import has_eyes
 from roomkin.stages.contracts.trained import read_config
 from roomkin.stages.plugins import qualify_module
 from roomkin.stages.policies import handle_points
-from roomkin.stages.policies.base import ActionMode
-from roomkin.stages.policies.checkpoint import load_network, save_weights
+from roomkin.stages.policies.base import ActionMode, load_network, save_weights
 
 LAYOUT = {
     "point_cloud": "(P, 4) float32: x, y, z in metres in the robot base frame, then 1 on the fingers and 0 elsewhere",

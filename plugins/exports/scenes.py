@@ -9,8 +9,7 @@ from roomkin.plugins.pictures import glb
 from roomkin.stages.contracts import GeneratedScene, read_json
 from roomkin.stages.contracts.generated import Look
 from roomkin.stages.contracts.library_folder import AssetFolders
-from roomkin.stages.generation.scene_file import read_items
-from roomkin.stages.generation.scene_models import room_of
+from roomkin.stages.generation.scene_file import read_items, room_of
 
 
 def run(

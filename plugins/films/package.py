@@ -3,5 +3,5 @@
 from roomkin.stages.config.packages import Package
 
 PACKAGE = Package(
-    draws={"demonstrations": "roomkin.plugins.films.demonstrations", "evaluation": "roomkin.plugins.films.rollouts"},
+    draws={"demonstrations": "roomkin.plugins.films.writing", "evaluation": "roomkin.plugins.films.rollouts"},
 )

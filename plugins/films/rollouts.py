@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from roomkin.plugins.films.contract import Film
+from roomkin.plugins.films.kinds import Film
 from roomkin.plugins.films.writing import FRAMES, make_film_strip, write_films, write_png
 from roomkin.stages.evaluation.vector_env import RolloutEpisode
 from roomkin.stages.simulation.film_renderer import FilmRenderer, Image

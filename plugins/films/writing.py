@@ -1,4 +1,4 @@
-"""films.zip, films.json and films, for every stage that films episodes."""
+"""Films of episodes: films.zip, films.json, animated WebP, and strips of pictures."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -8,14 +8,16 @@ from typing import Any
 import cv2
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from PIL import Image as Pillow
 
-from roomkin.plugins.films.contract import Film, Films
+from roomkin.plugins.films.kinds import Film, Films
 from roomkin.stages.contracts.archives import pack
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import write_atomically, write_json
 from roomkin.stages.contracts.images import TILE
-from roomkin.stages.simulation.film_renderer import Image, pick_evenly
+from roomkin.stages.demonstrations.attempt import FilmedAttempt
+from roomkin.stages.simulation.film_renderer import FilmRenderer, Image, pick_evenly
 
 FRAMES = 8  # pictures on a strip; a film has twice as many
 LAST = 1200  # milliseconds that the last picture stays
@@ -89,3 +91,39 @@ def write_png(path: Path, picture: Image) -> None:
     """Write an RGB picture atomically."""
     with write_atomically(path) as temporary:
         cv2.imwrite(str(temporary), picture[..., ::-1])
+
+
+def plot_cloud(cloud: NDArray[np.floating]) -> Image:
+    """A cloud (P, 4) in the base frame as (TILE / 2, TILE, 3): from the front (y, z) and from the side (x, z)."""
+    half = TILE // 2
+    image = np.full((half, TILE, 3), 255, np.uint8)
+    scale = half / 1.2  # pixels per metre
+    for left, across in ((0, half / 2 - cloud[:, 1] * scale), (half, cloud[:, 0] * scale)):
+        u = np.round(across).astype(int)
+        v = np.round(half * 0.75 - (cloud[:, 2] - 0.2) * scale).astype(int)
+        seen = (u >= 0) & (u < half) & (v >= 0) & (v < half)
+        image[v[seen], left + u[seen]] = np.where(cloud[seen, 3:] > 0.5, (255, 0, 0), 0)  # fingers red
+    return image
+
+
+def make_strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
+    """One episode: pictures in a row, the clouds below them."""
+    below = [plot_cloud(cloud) for cloud in pick_evenly(clouds, FRAMES)]
+    return np.concatenate([make_film_strip(pictures), np.concatenate(below, axis=1)])
+
+
+def film_demonstrations(folder: Path, taken: Sequence[FilmedAttempt], role: str, frequency: float) -> None:
+    """Write films.zip and film.png into `folder`; what was recorded must still be open."""
+    renderer = FilmRenderer()
+    films, strips = [], []
+    for number, item in enumerate(taken):
+        pictures = renderer.film(item.recording, FRAMES * 2)
+        steps = len(item.recording.moments) - 1
+        film = Film(
+            role=role, asset=item.asset, seed=item.seed, success=True, steps=steps,
+            opened=round(item.opened, 4), file=f"{number}.webp",
+        )  # fmt: skip
+        films.append((film, pictures))
+        strips.append(make_strip(pictures, item.clouds))
+    write_films(folder / "films.zip", films, frequency)
+    write_png(folder / "film.png", np.concatenate(strips))

@@ -25,12 +25,19 @@ from roomkin.plugins.importing.discover import (
     is_model,
     is_part,
 )
-from roomkin.plugins.importing.evidence import UNITS, Evidence, find_shared_facts
+from roomkin.plugins.importing.evidence import (
+    UNITS,
+    Evidence,
+    Pack,
+    complete_pack,
+    find_shared_facts,
+    read_pack,
+    write_pack,
+)
 from roomkin.plugins.importing.examine import NOTES, Examined, examine_model, explain, read
 from roomkin.plugins.importing.hinges import seen_points
 from roomkin.plugins.importing.importers import Axis
 from roomkin.plugins.importing.imports import IMPORTERS, by_suffix, in_one_line
-from roomkin.plugins.importing.pack import Pack, complete_pack, read_pack, write_pack
 from roomkin.plugins.importing.reach import list_unreachable
 from roomkin.plugins.importing.sandbox import number_names, snake_case
 from roomkin.stages.articulated.asset_folder import read_asset, read_model
@@ -43,7 +50,7 @@ from roomkin.stages.contracts.files import write_text
 from roomkin.stages.simulation.framing import frame_all, intrinsics_of
 from roomkin.stages.simulation.loading import load_visual, remove
 from roomkin.stages.simulation.rendering import RenderCamera, make_scene
-from roomkin.stages.tables.markup import environment
+from roomkin.stages.tables.text import environment
 
 WIDTH, HEIGHT = 360, 288
 OPEN = 0.6  # of its range

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from roomkin.plugins.films.contract import Film
-from roomkin.plugins.films.demonstrations import FilmedAttempt, make_strip, plot_cloud
-from roomkin.plugins.films.writing import FRAMES, write_films, write_png
-from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+from roomkin.plugins.films.kinds import Film
+from roomkin.plugins.films.writing import FRAMES, FilmedAttempt, make_strip, plot_cloud, write_films, write_png
+from roomkin.plugins.in_scene.kinds import SceneDemonstration, SceneDemonstrations
 from roomkin.plugins.in_scene.room import find_obstacle, find_touched, list_base_shifts, read_room
 from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json

@@ -12,8 +12,8 @@ from PIL import Image
 
 from roomkin.stages.articulated import mesh_writer
 from roomkin.stages.articulated.asset_folder import atomic_folder
+from roomkin.stages.articulated.mesh_writer import ColoredMesh, surfaces, write_colored_obj
 from roomkin.stages.articulated.model import JointModel, Link, Matrix, RobotModel
-from roomkin.stages.articulated.surfaces import ColoredMesh, surfaces, write_obj
 from roomkin.stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
 from roomkin.stages.contracts.parts import PARTS
 from roomkin.stages.contracts.system import sync
@@ -118,7 +118,7 @@ class ModelWriter:
             ET.SubElement(element, "geom", {"class": "collision", "type": "mesh", "mesh": name})
 
     def _add_visual(self, element: ET.Element, name: str, surface: ColoredMesh) -> None:
-        write_obj(surface, self.folder / "meshes" / f"{name}.obj")
+        write_colored_obj(surface, self.folder / "meshes" / f"{name}.obj")
         ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
         material = {"name": name, "rgba": text(surface.shown_color), "specular": "0.1", "shininess": "0.1"}
         if surface.image is not None:

@@ -8,12 +8,11 @@ import trimesh
 from trimesh import Trimesh
 from trimesh.exchange.gltf import export_glb
 
+from roomkin.stages.articulated.mesh_writer import ColoredMesh, surfaces
 from roomkin.stages.articulated.model import JointModel
-from roomkin.stages.articulated.surfaces import ColoredMesh, surfaces
 from roomkin.stages.contracts import GeneratedScene, write_atomically
-from roomkin.stages.generation.scene_models import CAMERA, Body, ExportedScene, surface_of
-from roomkin.stages.geometry.cameras import OPENGL
-from roomkin.stages.geometry.frames import Y_UP, make_transform, yaw_matrix
+from roomkin.stages.generation.scene_file import CAMERA, Body, ExportedScene, surface_of
+from roomkin.stages.geometry.frames import OPENGL, Y_UP, make_transform, yaw_matrix
 
 
 def write(room: ExportedScene, out: Path, largest: int | None = None) -> None:

@@ -14,8 +14,7 @@ from roomkin.stages.contracts.extracted import read_object_masks
 from roomkin.stages.contracts.images import Color, check_size, color_of, read_rgb
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.geometry.boxes import UprightBox, corners
-from roomkin.stages.geometry.cameras import project
-from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.geometry.frames import invert_transform, project, transform_points
 
 WIDTH = 1280  # pixels to which every picture is drawn: pages show it at about half of that, whatever its own size
 LINE, PADDING = 3, 5  # pixels

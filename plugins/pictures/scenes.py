@@ -7,16 +7,21 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from roomkin.plugins.pictures import glb
-from roomkin.plugins.pictures.look import estimate_look
-from roomkin.plugins.pictures.painting import draw_preview, draw_side_by_side, draw_thumbnail, furnish, resize_to
+from roomkin.plugins.pictures.look import (
+    draw_preview,
+    draw_side_by_side,
+    draw_thumbnail,
+    estimate_look,
+    furnish,
+    resize_to,
+)
 from roomkin.stages.cli import progress
 from roomkin.stages.config.code import code_digest
 from roomkin.stages.contracts import GeneratedScene, Objects, read_json, write_atomically, write_json
 from roomkin.stages.contracts.extracted import read_metres, read_object_masks
 from roomkin.stages.contracts.images import check_size, read_rgb
 from roomkin.stages.contracts.library_folder import AssetFolders
-from roomkin.stages.generation.scene_file import read_items
-from roomkin.stages.generation.scene_models import room_of
+from roomkin.stages.generation.scene_file import read_items, room_of
 
 VIEW_TEXTURE = 128  # pixels: textures of the scenes that pages let turn; chosen
 

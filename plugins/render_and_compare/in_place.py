@@ -5,12 +5,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.plugins.render_and_compare.config import GeometryConfig
+from roomkin.plugins.render_and_compare.package import GeometryConfig
 from roomkin.plugins.render_and_compare.workbench import Workbench
 from roomkin.stages.contracts.cousins import Cousin
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.matching.question import AbstainedError, Question
-from roomkin.stages.matching.snapshots import SceneObjects, Snapshots
+from roomkin.stages.matching.snapshots import AbstainedError, Question, SceneObjects, Snapshots
 
 
 class InPlace:

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.objects import DepthError, SceneObject, Wall
-from roomkin.stages.geometry.cameras import FloorCamera, back_project
-from roomkin.stages.geometry.frames import transform_points, wrap_angle, yaw_matrix
+from roomkin.stages.geometry.frames import FloorCamera, back_project, transform_points, wrap_angle, yaw_matrix
 from roomkin.stages.geometry.masks import OUTLINE, ObjectView, pixel_bounds
 from roomkin.stages.geometry.robust import REACH
 

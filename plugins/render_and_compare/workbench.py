@@ -6,7 +6,7 @@ from roomkin.plugins.render_and_compare.fits import Fitter
 from roomkin.plugins.render_and_compare.rendering import ColoredSolid
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.geometry.masks import MIN_PIXELS
-from roomkin.stages.matching.question import AbstainedError, Question
+from roomkin.stages.matching.snapshots import AbstainedError, Question
 
 MODELS = 300  # kept in memory; chosen
 

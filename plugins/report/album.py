@@ -18,8 +18,7 @@ from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.generated import GeneratedScene
 from roomkin.stages.contracts.images import read_narrow
 from roomkin.stages.contracts.library import SnapshotShard
-from roomkin.stages.geometry.cameras import MARGIN, view_angle
-from roomkin.stages.geometry.frames import angle_difference
+from roomkin.stages.geometry.frames import MARGIN, angle_difference, view_angle
 
 THUMBNAIL = 150  # pixels: small pictures of objects and assets
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from roomkin.plugins.report.page.overview import RunFolders, count_failures, row
 from roomkin.plugins.report.report import link_there_and_back, render
 from roomkin.stages.contracts.files import write_text
-from roomkin.stages.tables.order import sort_key
+from roomkin.stages.tables.rows import sort_key
 from roomkin.stages.tables.text import NOT_RUN
 
 

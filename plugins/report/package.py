@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from typing import Any
 
+from roomkin.stages.config.evaluation import PolicyTables, TablesConfig
 from roomkin.stages.config.mistakes import Mistake
 from roomkin.stages.config.packages import Package
-from roomkin.stages.config.tables import PolicyTables, TablesConfig
 
 
 def find_mistakes(config: Any) -> Iterator[Mistake]:

@@ -7,7 +7,7 @@ from roomkin.plugins.report.page import rooms, single
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.page.root import draw_again, list_left_out, read_said
 from roomkin.plugins.report.report import link_to, render
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.files import read_json, read_options, write_text
 from roomkin.stages.contracts.hand import is_drawn

@@ -18,26 +18,23 @@ from roomkin.plugins.report.album import Album
 from roomkin.plugins.report.doubts import mountings_agree
 from roomkin.plugins.report.page import policies, result, rooms
 from roomkin.plugins.report.page.benchmarks import by_stage, longest_table, read_jobs, times_table
-from roomkin.plugins.report.page.charts import embed_svg
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.page.objects import measure_extents
+from roomkin.plugins.report.page.result import embed_svg
 from roomkin.plugins.report.roles import role_title
-from roomkin.plugins.robustness import rows as robustness
+from roomkin.plugins.robustness import table as robustness
 from roomkin.plugins.robustness.table import robustness_table
-from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.config.evaluation import PolicyTables
 from roomkin.stages.contracts.errors import count, describe_size
 from roomkin.stages.contracts.files import read_json, read_options, read_text, write_text
 from roomkin.stages.contracts.generated import measure_place_sureness, measure_sureness
 from roomkin.stages.contracts.library import Library
 from roomkin.stages.tables import policy_tables, scene_tables, table2
-from roomkin.stages.tables.cells import CELL, RATE
-from roomkin.stages.tables.markup import TextTable, environment
-from roomkin.stages.tables.methods import join_published, kinds_of
-from roomkin.stages.tables.order import title as title_of
-from roomkin.stages.tables.policy_tables import policy_notes
-from roomkin.stages.tables.rows import published_policies, read_table, records
+from roomkin.stages.tables.policy_tables import join_published, kinds_of, policy_notes
+from roomkin.stages.tables.rows import CELL, RATE, published_policies, read_table, records
+from roomkin.stages.tables.rows import title as title_of
 from roomkin.stages.tables.scenes import parse_comparisons
-from roomkin.stages.tables.text import number, percent
+from roomkin.stages.tables.text import TextTable, environment, number, percent
 
 TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]

@@ -5,9 +5,8 @@ from collections.abc import Iterable
 
 from roomkin.stages.contracts.policies import TaskAsset, TaskAssets
 from roomkin.stages.contracts.policy_config import DRAW, DRAWN, RANDOMISED, SetName, is_set, read_set, strip_randomised
-from roomkin.stages.tables.markup import TextTable, read_notes
-from roomkin.stages.tables.order import title
-from roomkin.stages.tables.text import cell, number
+from roomkin.stages.tables.rows import title
+from roomkin.stages.tables.text import TextTable, cell, number, read_notes
 
 
 def role_title(role: str) -> str:

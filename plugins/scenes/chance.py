@@ -10,12 +10,18 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from roomkin.plugins.scenes import recipe
-from roomkin.plugins.scenes.config import ScenesConfig
 from roomkin.plugins.scenes.layout import ATTEMPTS, CastRoom, arrange, choose_models, templates
+from roomkin.plugins.scenes.recipe import ScenesConfig
 from roomkin.stages.contracts import Asset, InputError
 from roomkin.stages.geometry.boxes import UprightBox, corners, distances_along
-from roomkin.stages.geometry.cameras import MARGIN, intrinsics_from_fov, look_at, project
-from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.geometry.frames import (
+    MARGIN,
+    intrinsics_from_fov,
+    invert_transform,
+    look_at,
+    project,
+    transform_points,
+)
 
 Matrix = NDArray[np.float64]
 

@@ -1,5 +1,5 @@
 # Helpers: what furnishes a room. Functions of a job's wildcards. No rules.
-from roomkin.plugins.scenes.room_files import recipe_digest, room_files, series
+from roomkin.plugins.scenes.recipe import recipe_digest, room_files, series
 
 ROOM_FILES = room_files(EXPERIMENT.room_files, CONFIG.implementations)
 

@@ -7,8 +7,7 @@ from typing import Any
 
 from pydantic import Field
 
-from roomkin.plugins.scenes.config import ScenesConfig
-from roomkin.plugins.scenes.room_files import count_models, list_objects, room_files, series
+from roomkin.plugins.scenes.recipe import ScenesConfig, count_models, list_objects, room_files, series
 from roomkin.stages.config.categories import CATEGORIES
 from roomkin.stages.config.mistakes import Mistake
 from roomkin.stages.config.packages import Package

@@ -11,9 +11,8 @@ import sapien
 from numpy.typing import NDArray
 
 from roomkin.plugins.scenes.chance import colors
-from roomkin.plugins.scenes.config import ScenesConfig
 from roomkin.plugins.scenes.layout import ATTEMPTS, CastRoom, arrange
-from roomkin.plugins.scenes.recipe import RoomPlan
+from roomkin.plugins.scenes.recipe import RoomPlan, ScenesConfig
 from roomkin.stages.articulated.asset_folder import write_asset
 from roomkin.stages.articulated.resizing import load_maker, resize_model
 from roomkin.stages.contracts import Asset, InputError

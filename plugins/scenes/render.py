@@ -6,16 +6,15 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from roomkin.plugins.scenes.chance import draw_room, frame
-from roomkin.plugins.scenes.config import ScenesConfig
 from roomkin.plugins.scenes.layout import CastRoom, cast, scale_of
 from roomkin.plugins.scenes.photograph import AS_IS, photograph, repaint_room
-from roomkin.plugins.scenes.room_files import read_room, room_files, series
+from roomkin.plugins.scenes.recipe import ScenesConfig, read_room, room_files, series
 from roomkin.stages.contracts import Annotations, Camera, InputError, Truth, read_options, write_json
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.scene_input import write_scene_input
 from roomkin.stages.contracts.scenes import Annotation, TrueObject
 from roomkin.stages.geometry.boxes import corners
-from roomkin.stages.geometry.cameras import MARGIN
+from roomkin.stages.geometry.frames import MARGIN
 
 
 def mask_values(cast_room: CastRoom) -> dict[str, int]:

@@ -1,8 +1,13 @@
-"""What is right about a thing: one definition for the published tables and for submissions."""
+"""What is right about a thing, and how it may be called: one definition for the tables and for submissions."""
 
+import re
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
@@ -11,6 +16,35 @@ from roomkin.stages.contracts.generated import RIGHT_MIN, RIGHT_SHARE
 from roomkin.stages.contracts.parts import HingeSide
 from roomkin.stages.geometry.boxes import UprightBox, corners
 from roomkin.stages.geometry.frames import angle_difference, wrap_angle, yaw_matrix
+
+
+@dataclass(frozen=True)
+class ThingNames:
+    """What people call such a thing, the categories of our library that are sensible cousins of it, its symmetry."""
+
+    labels: list[str]
+    sensible: list[str]
+    turn: str
+
+
+@cache
+def stated_kinds() -> dict[str, ThingNames]:
+    """The table of kinds.yaml."""
+    rows = yaml.safe_load(Path(__file__).with_name("kinds.yaml").read_text(encoding="utf-8"))
+    return {name: ThingNames(**fields) for name, fields in rows.items()}
+
+
+def plain_name(name: str) -> str:
+    """A name in small letters, words apart by one space, without a number at its end: `Office_Chair_2`."""
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])|[\W_]+", " ", name).casefold().split()
+    return " ".join(words[:-1] if len(words) > 1 and words[-1].isdigit() else words)
+
+
+def is_sensible(name: str, kind: str) -> bool:
+    """Whether a thing of a kind may be called so: by its kind, a label of it, or a category that is its cousin."""
+    known = stated_kinds()[kind]
+    return plain_name(name) in {plain_name(word) for word in (kind, *known.labels, *known.sensible)}
+
 
 PLACE = 0.05  # metres between true and found center, and between a true handle's box and a point on the found one
 YAW = np.deg2rad(15)

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from roomkin.plugins.scorecard.placing import place_room
-from roomkin.plugins.scorecard.submission import Submission
-from roomkin.plugins.scorecard.truth import PictureTruth, read_truth
+from roomkin.plugins.scorecard.truth import PictureTruth, Submission, read_truth
 from roomkin.stages.contracts.files import write_text
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.geometry.boxes import FACES, UprightBox, corners

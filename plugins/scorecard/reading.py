@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from roomkin.plugins.scorecard.readers import acdc, generated, glb, mjcf, plain
-from roomkin.plugins.scorecard.submission import About, RoomScene, Submission, SubmissionFile
+from roomkin.plugins.scorecard.truth import About, RoomScene, Submission, SubmissionFile
 from roomkin.stages.contracts.errors import InputError, explain, file_missing
 from roomkin.stages.contracts.files import first_error, read_json, read_text
 

@@ -9,8 +9,7 @@ from roomkin.plugins.scorecard.card import compare, frame_rooms, frame_things, m
 from roomkin.plugins.scorecard.page import write_page
 from roomkin.plugins.scorecard.reading import read_submission
 from roomkin.plugins.scorecard.scoring import score_submission
-from roomkin.plugins.scorecard.submission import Cells, Submission
-from roomkin.plugins.scorecard.truth import list_rooms
+from roomkin.plugins.scorecard.truth import Cells, Submission, list_rooms
 from roomkin.stages.contracts.errors import InputError, explain
 from roomkin.stages.contracts.files import write_atomically, write_text
 from roomkin.stages.evaluation.scoring import GRID_CELLS

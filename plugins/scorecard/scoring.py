@@ -7,25 +7,30 @@ from typing import Any
 
 import numpy as np
 
-from roomkin.plugins.scorecard.carrying import find_inside, is_carrier_right, list_supports
 from roomkin.plugins.scorecard.measures import (
     FACING,
     MAX_BEHIND,
     PLACE,
     YAW,
     are_handles_right,
+    is_sensible,
     is_size_right,
     knows_hinges,
     measure_overreach,
     measure_turn,
     size_errors,
 )
-from roomkin.plugins.scorecard.naming import is_sensible
 from roomkin.plugins.scorecard.placing import PlacedRoom, place_room
-from roomkin.plugins.scorecard.solids import cut_solids, fill_solid
-from roomkin.plugins.scorecard.standing import find_standing, measure_depths
-from roomkin.plugins.scorecard.submission import Cells, RoomScene, Submission
-from roomkin.plugins.scorecard.truth import PictureTruth, TrueThing, read_truth
+from roomkin.plugins.scorecard.standing import (
+    cut_solids,
+    fill_solid,
+    find_inside,
+    find_standing,
+    is_carrier_right,
+    list_supports,
+    measure_depths,
+)
+from roomkin.plugins.scorecard.truth import Cells, PictureTruth, RoomScene, Submission, TrueThing, read_truth
 from roomkin.stages.geometry.boxes import oriented_iou
 
 

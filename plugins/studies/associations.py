@@ -8,15 +8,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from roomkin.plugins.claims.assets import of_splits
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.policies import TaskAsset
-from roomkin.stages.tables.cells import ROW, in_order
 from roomkin.stages.tables.intervals import PLACE, place_weights, quantiles
-from roomkin.stages.tables.markup import TextTable
-from roomkin.stages.tables.order import SKILL, row_title, set_key, title
-from roomkin.stages.tables.rows import records
-from roomkin.stages.tables.text import cell
+from roomkin.stages.tables.rows import ROW, SKILL, in_order, records, row_title, set_key, title
+from roomkin.stages.tables.text import TextTable, cell
 
 TRAITS = {
     "feature_distance": "distance to the twin",

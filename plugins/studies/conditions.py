@@ -6,16 +6,12 @@ from pathlib import Path
 import pandas as pd
 
 from roomkin.plugins.claims.assets import BASELINES
-from roomkin.stages.config.evaluation import USUAL
-from roomkin.stages.config.tables import MethodTables, TablesConfig
+from roomkin.stages.config.evaluation import USUAL, MethodTables, TablesConfig
 from roomkin.stages.contracts.errors import InputError, count
 from roomkin.stages.contracts.files import read_options
-from roomkin.stages.tables.cells import CELL, in_order, rates, tabulate_gains
-from roomkin.stages.tables.markup import TextTable
-from roomkin.stages.tables.methods import read_pooled
-from roomkin.stages.tables.order import SKILL, row_title, title
-from roomkin.stages.tables.rows import records
-from roomkin.stages.tables.text import cell, percent, points, span
+from roomkin.stages.tables.policy_tables import read_pooled
+from roomkin.stages.tables.rows import CELL, SKILL, in_order, rates, records, row_title, tabulate_gains, title
+from roomkin.stages.tables.text import TextTable, cell, percent, points, span
 from roomkin.stages.tables.writing import write
 
 ENDS = {"difference": "difference", "low": "difference_low", "high": "difference_high"}

@@ -103,7 +103,7 @@ rule open_rooms:
             "intro.md",
             "../../plugins/scorecard/kinds.yaml",
             "../../plugins/scorecard/measures.py",
-            "../../plugins/scorecard/shares.py",
+            "../../plugins/scorecard/card.py",
             "models.csv",
         ),
     shell:

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from roomkin.plugins.studies.pinned_file import pinned_assets
+from roomkin.stages.config.evaluation import MethodTables
 from roomkin.stages.config.mistakes import Mistake
 from roomkin.stages.config.packages import Package
-from roomkin.stages.config.tables import MethodTables
 
 
 def find_mistakes(config: Any) -> Iterator[Mistake]:

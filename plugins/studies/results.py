@@ -10,7 +10,7 @@ import pandas as pd
 from roomkin.plugins.claims import more, trainings
 from roomkin.plugins.claims.assets import of_splits
 from roomkin.plugins.report.roles import list_demonstrated_assets, lists_table, roles_table
-from roomkin.plugins.robustness import rows as robustness
+from roomkin.plugins.robustness import table as robustness
 from roomkin.plugins.robustness.table import robustness_table
 from roomkin.plugins.studies import conditions
 from roomkin.plugins.studies.associations import ShownAssets, associations_table, traits
@@ -35,13 +35,18 @@ from roomkin.stages.contracts.policy_config import is_randomised
 from roomkin.stages.tables import policy_tables as table3_text
 from roomkin.stages.tables import table2, table3
 from roomkin.stages.tables.figures import figure6, save, style
-from roomkin.stages.tables.markup import TextTable
-from roomkin.stages.tables.methods import kinds_of, pool_of, pool_rollouts, read_pooled, read_rollouts
-from roomkin.stages.tables.order import SKILL, SPLITS, target_title, title
 from roomkin.stages.tables.policies import collect, write_figures
-from roomkin.stages.tables.policy_tables import policy_notes
-from roomkin.stages.tables.rows import ONE_SCENE, published_scenes, read_rows
+from roomkin.stages.tables.policy_tables import (
+    kinds_of,
+    policy_notes,
+    pool_of,
+    pool_rollouts,
+    read_pooled,
+    read_rollouts,
+)
+from roomkin.stages.tables.rows import ONE_SCENE, SKILL, SPLITS, published_scenes, read_rows, target_title, title
 from roomkin.stages.tables.scene_tables import scenes_table
+from roomkin.stages.tables.text import TextTable
 from roomkin.stages.tables.writing import write_csv
 
 SCENE_STAGES = ["assets", "scenes", "extraction", "matching", "generation", "evaluation", "tables"]

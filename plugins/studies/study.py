@@ -15,10 +15,9 @@ from roomkin.stages.config.targets import Cell
 from roomkin.stages.config.training import policy_tables
 from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.policies import ChosenRuns
-from roomkin.stages.tables.markup import TextTable, markdown
-from roomkin.stages.tables.methods import pool_of
-from roomkin.stages.tables.order import row_title, set_key, title
-from roomkin.stages.tables.text import NOT_RUN
+from roomkin.stages.tables.policy_tables import pool_of
+from roomkin.stages.tables.rows import row_title, set_key, title
+from roomkin.stages.tables.text import NOT_RUN, TextTable, markdown
 
 FOLDED = 15  # rows; a longer table is closed until it is clicked
 

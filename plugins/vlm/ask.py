@@ -6,9 +6,17 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from roomkin.plugins.vlm.config import VlmConfig
-from roomkin.plugins.vlm.endpoint import MAX_QUOTED, Endpoint, RefusedRequestError, UnreachedError
-from roomkin.plugins.vlm.ledger import AGAIN, Entry, Exchange, Ledger
+from roomkin.plugins.vlm.endpoint import (
+    AGAIN,
+    MAX_QUOTED,
+    Endpoint,
+    Entry,
+    Exchange,
+    Ledger,
+    RefusedRequestError,
+    UnreachedError,
+)
+from roomkin.plugins.vlm.package import VlmConfig
 from roomkin.plugins.vlm.prompt import (
     DETAIL,
     LONGEST,

@@ -13,7 +13,7 @@ from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_options, write_atomically, write_json
 from roomkin.stages.contracts.library import Asset, SnapshotShard
 from roomkin.stages.contracts.library_folder import AssetFolders
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.geometry.frames import intrinsics_from_fov, look_at
 
 BOX_TOLERANCE = 0.02  # of the largest extent
 DEPTH_RANGE = 30.0  # metres: the camera measures in whole millimetres, 32 m at most

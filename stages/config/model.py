@@ -9,7 +9,7 @@ from pydantic import Field, ValidationError, field_validator
 
 from roomkin.stages.config.assets import AssetsConfig
 from roomkin.stages.config.contradictions import contradictions
-from roomkin.stages.config.evaluation import EvaluationConfig
+from roomkin.stages.config.evaluation import EvaluationConfig, TablesConfig
 from roomkin.stages.config.experiment import ExperimentConfig
 from roomkin.stages.config.files import ContainersConfig, read_file
 from roomkin.stages.config.generation import GenerationConfig
@@ -20,7 +20,6 @@ from roomkin.stages.config.names import Replaced, resolve_names
 from roomkin.stages.config.packages import Objects, Package, find_packages, packages_on, with_sections
 from roomkin.stages.config.perception import PerceptionSection
 from roomkin.stages.config.pictures import mark_measured, of_picture, read_sources
-from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.config.targets import RoomTarget
 from roomkin.stages.config.training import DemonstrationsConfig, TrainingSection
 from roomkin.stages.config.weights import leave_out, list_unfetched

@@ -4,7 +4,7 @@ import json
 from typing import Any
 
 from roomkin.stages.config.assets import SnapshotOptions
-from roomkin.stages.config.evaluation import RolloutOptions, SelectionOptions
+from roomkin.stages.config.evaluation import PolicyTables, RolloutOptions, SelectionOptions, TablesConfig
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.config.matching import CandidateOptions, ComparisonOptions, EncoderOptions, matching_model
@@ -12,7 +12,6 @@ from roomkin.stages.config.model import Config
 from roomkin.stages.config.names import kind_of
 from roomkin.stages.config.packages import find_packages
 from roomkin.stages.config.perception import DrawOptions, MeasureOptions, SeeOptions
-from roomkin.stages.config.tables import PolicyTables, TablesConfig
 from roomkin.stages.config.training import DemonstrationsConfig, policy_tables
 from roomkin.stages.contracts.policy_config import PolicyConfig, is_randomised
 from roomkin.stages.contracts.section import Section

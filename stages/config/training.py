@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
-from roomkin.stages.config.evaluation import SensingOptions
-from roomkin.stages.config.tables import PolicyAbout, PolicyTables
+from roomkin.stages.config.evaluation import PolicyAbout, PolicyTables, SensingOptions
 from roomkin.stages.contracts.policy_config import PolicyConfig, has_eyes
 from roomkin.stages.contracts.section import Range, Section
 from roomkin.stages.plugins import find_options, parse_kwargs, shorten_name

@@ -50,7 +50,7 @@ def run(
         out: episodes.h5 to write.
         options: the `demonstrations` section as JSON.
         task_options: the `task` section as JSON; stored in the episodes for evaluation.
-        films: modules whose `film_demonstrations` films the first success, e.g. roomkin.plugins.films.demonstrations.
+        films: modules whose `film_demonstrations` films the first success, e.g. roomkin.plugins.films.writing.
         seed: of the first attempt; attempts and evaluation use disjoint seeds.
     """
     settings = read_options(DemonstrationsConfig, options)

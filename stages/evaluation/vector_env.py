@@ -21,8 +21,7 @@ from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.contracts.trained import read_config
 from roomkin.stages.evaluation.states import Start
 from roomkin.stages.plugins import shorten_name
-from roomkin.stages.policies.base import RolloutPolicy, TrainablePolicy, make_rollout_policy
-from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.policies.base import RolloutPolicy, TrainablePolicy, load_network, make_rollout_policy
 from roomkin.stages.simulation.room import Moment, Recording
 from roomkin.stages.tasks.api import EnvWrapper, Observation
 from roomkin.stages.tasks.observation import Sensing

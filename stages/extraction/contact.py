@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Mounting, Wall
 from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.geometry.boxes import UprightBox, corners
-from roomkin.stages.geometry.cameras import PointMap, project
-from roomkin.stages.geometry.frames import Array, invert_transform, transform_points, yaw_matrix
+from roomkin.stages.geometry.frames import Array, PointMap, invert_transform, project, transform_points, yaw_matrix
 from roomkin.stages.geometry.masks import OUTLINE, Mask, lowest_pixels
 
 CONTACT_DISTANCE = 0.045  # metres, besides the error of depth: what is less apart touches, and hides nothing; chosen

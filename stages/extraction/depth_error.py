@@ -12,7 +12,7 @@ from roomkin.stages.contracts.objects import USUAL_ERROR, DepthError, Wall
 from roomkin.stages.extraction.contact import CONTACT_DISTANCE
 from roomkin.stages.extraction.floor import ROUGH
 from roomkin.stages.extraction.noise import AnnotatedImage
-from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.frames import PointMap
 from roomkin.stages.geometry.masks import erode
 from roomkin.stages.geometry.robust import REACH
 from roomkin.stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD

@@ -16,9 +16,8 @@ from roomkin.stages.contracts.errors import first_error
 from roomkin.stages.contracts.files import read_text
 from roomkin.stages.contracts.hand import digest_of_picture, read_corrections
 from roomkin.stages.contracts.matched import match_corrections
-from roomkin.stages.extraction.camera_height import doubt_unit
-from roomkin.stages.extraction.corrections import reconstruct_corrected
-from roomkin.stages.extraction.reconstruct import reconstruct
+from roomkin.stages.extraction.floor import doubt_unit
+from roomkin.stages.extraction.reconstruct import reconstruct, reconstruct_corrected
 from roomkin.stages.extraction.sources import Source
 from roomkin.stages.plugins import load
 

@@ -16,10 +16,9 @@ from roomkin.stages.contracts.images import read_masks, read_rgb
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.matched import match_corrections
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.generation.models import RGB, measure_colors
+from roomkin.stages.generation.placed import RGB, measure_colors
 from roomkin.stages.geometry.boxes import THINNEST
-from roomkin.stages.geometry.cameras import back_project, view_angle
-from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.frames import back_project, transform_points, view_angle
 from roomkin.stages.geometry.masks import Outline, central_crop, measure_outline
 from roomkin.stages.geometry.robust import REACH
 

@@ -12,8 +12,7 @@ from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.objects import Mounting
 from roomkin.stages.generation.inputs import Inputs, MatchedObject
-from roomkin.stages.generation.models import paint, resize
-from roomkin.stages.generation.placed import FLOOR, Placed
+from roomkin.stages.generation.placed import FLOOR, Placed, paint, resize
 from roomkin.stages.generation.sizing import size
 from roomkin.stages.generation.turning import PLACE_TOLERANCE, find_yaw, fit_stated_box, move_out_of_walls
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox

@@ -32,8 +32,7 @@ from roomkin.stages.generation.inputs import MatchedObject
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.generation.turning import extend_to_wall, move_to_wall
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox, is_behind
-from roomkin.stages.geometry.cameras import FloorCamera
-from roomkin.stages.geometry.frames import transform_points, yaw_matrix
+from roomkin.stages.geometry.frames import FloorCamera, transform_points, yaw_matrix
 from roomkin.stages.geometry.masks import DIRECTIONS, OUTLINE, Outline
 from roomkin.stages.geometry.robust import LARGEST_CHANGE, UNUSUAL, Deviations, find_step
 from roomkin.stages.geometry.solids import find_outermost

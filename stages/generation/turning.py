@@ -12,8 +12,7 @@ from roomkin.stages.contracts.category import CategoryFacts
 from roomkin.stages.contracts.cousins import Cousin, Orientation
 from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox, corners, depth_behind, volume
-from roomkin.stages.geometry.cameras import view_yaw
-from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle, yaw_matrix
+from roomkin.stages.geometry.frames import SYMMETRY_PERIOD, view_yaw, wrap_angle, yaw_matrix
 from roomkin.stages.geometry.robust import SPREAD
 
 ALONG_SIDE = np.deg2rad(15)  # what is turned less than this against a side runs along it; chosen

@@ -12,8 +12,8 @@ from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.contracts.parts import FRONTS
 from roomkin.stages.matching.candidates import Candidates, count_gap
 from roomkin.stages.matching.judges import Judges
-from roomkin.stages.matching.question import AbstainedError, Question, check_answer
 from roomkin.stages.matching.ranking import Models, Orientations
+from roomkin.stages.matching.snapshots import AbstainedError, Question, check_answer
 
 
 def describe_counts(doors: int, drawers: int) -> str:

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import back_project
 from roomkin.stages.geometry.masks import ObjectView, cut
 
 UNIT = 30  # a difference in Lab that counts as 1: a shade darker or another hue, well above noise; chosen

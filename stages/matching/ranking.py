@@ -10,11 +10,10 @@ from roomkin.stages.config.matching import ComparisonOptions, MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.geometry.masks import ObjectView
-from roomkin.stages.matching.candidates import Candidates
+from roomkin.stages.matching.candidates import Candidates, list_addends
 from roomkin.stages.matching.encoders import PatchEncoder, column_weights, encode_rows, pool_patches, whole_weights
-from roomkin.stages.matching.priors import list_addends
-from roomkin.stages.matching.question import DIGITS
 from roomkin.stages.matching.search import distance_table, load_search
+from roomkin.stages.matching.snapshots import DIGITS
 from roomkin.stages.matching.store import FeatureStore, Snapshot
 
 

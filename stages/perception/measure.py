@@ -10,7 +10,7 @@ from roomkin.stages.config.perception import MeasureOptions
 from roomkin.stages.config.recordings import name_picture
 from roomkin.stages.contracts import read_options
 from roomkin.stages.contracts.images import NEAREST
-from roomkin.stages.geometry.cameras import back_project, make_intrinsics
+from roomkin.stages.geometry.frames import back_project, make_intrinsics
 from roomkin.stages.geometry.levels import find_ground
 from roomkin.stages.geometry.room_planes import STRAY, Plane, make_floor_frame
 from roomkin.stages.perception.camera.perspective import fit_view, propose, usual_focal

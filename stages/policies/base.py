@@ -1,17 +1,21 @@
-"""What a policy is to training and to evaluation."""
+"""What a policy is to training and to evaluation, and policies on disk."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Literal, Protocol
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from safetensors.torch import load_file, save
 from torch import Tensor, nn
 
 from roomkin.stages.contracts.episode_store import ACTION
 from roomkin.stages.contracts.errors import InputError
+from roomkin.stages.contracts.files import write_atomically
 from roomkin.stages.contracts.policy_config import PolicyConfig
+from roomkin.stages.contracts.trained import check_weights, read_config, weights_of
 from roomkin.stages.plugins import load
 from roomkin.stages.policies.handle_points import segment_handles
 
@@ -119,3 +123,35 @@ def make_rollout_policy(policy: TrainablePolicy, num_envs: int, mode: ActionMode
     acting = policy.make_rollout_policy(num_envs, mode)
     checked = CheckedPolicy(acting, policy.config.policy)
     return HandleSegmenter(checked) if policy.config.handle else checked
+
+
+FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
+
+
+def save_weights(path: Path, weights: dict[str, Tensor]) -> None:
+    """Write a state dict atomically; the same tensors give the same bytes."""
+    with write_atomically(path) as temporary:
+        temporary.write_bytes(save({name: tensor.detach().cpu().contiguous() for name, tensor in weights.items()}))
+
+
+def load_network(folder: Path, checkpoint: str, device: str = "cpu") -> TrainablePolicy:
+    """The policy of a training folder, ready for inference.
+
+    Args:
+        folder: output of `training train`.
+        checkpoint: 'best', 'last', or the name of one of `checkpoints` in config.json.
+
+    Raises:
+        InputError: a file is missing, or the weights do not fit the sizes in config.json.
+    """
+    trained = read_config(folder)
+    policy = make_policy(trained.config)
+    path = weights_of(folder, FILES.get(checkpoint, checkpoint))
+    check_weights(path, trained)
+    try:
+        policy.load_state_dict(load_file(path))
+    except RuntimeError as error:
+        reason = str(error).splitlines()[-1].strip()
+        what = f"does not hold the weights that config.json describes ({reason})."
+        raise InputError(path, what, code="E-POLICY-WEIGHTS") from None
+    return policy.to(device).eval()

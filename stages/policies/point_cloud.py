@@ -17,8 +17,8 @@ from torch.nn import functional
 from roomkin.stages.contracts.episode_store import PROPRIO
 from roomkin.stages.contracts.policy_config import PolicyConfig
 from roomkin.stages.policies.base import Float, TrainablePolicy
+from roomkin.stages.policies.bc_rnn_gmm_options import FLAG_EMBEDDING, PointCloudOptions
 from roomkin.stages.policies.handle_points import find_handle_middles, offsets_to_handle
-from roomkin.stages.policies.point_cloud_options import FLAG_EMBEDDING, PointCloudOptions
 
 CHUNK_ELEMENTS = {"cpu": 2**18, "cuda": 2**27}  # activations per chunk: 1 MB of float32 fits a core's L2 cache
 

@@ -28,10 +28,9 @@ from trimesh.bounds import corners
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 from roomkin.stages.simulation.framing import frame_all, intrinsics_of
 from roomkin.stages.simulation.loading import load_asset, move, remove
-from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
+from roomkin.stages.simulation.rendering import RenderCamera, add_block, cache_folder, instance_id, make_scene
 from roomkin.stages.simulation.robot import PANDA
 from roomkin.stages.simulation.room import Body, Moment, Recording, TaskRoom
-from roomkin.stages.simulation.shaders import cache_folder
 
 SHARE = 0.2  # of the triangles that are kept; chosen: a film looks the same
 CREASE = 0.6  # radians between two faces from which on their edge is sharp; chosen

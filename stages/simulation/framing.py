@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.geometry.cameras import MARGIN
-from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.frames import MARGIN, make_transform
 
 Array = NDArray[np.float64]
 

@@ -13,11 +13,10 @@ import trimesh
 from mani_skill.render import PREBUILT_SHADER_CONFIGS, ShaderConfig
 from numpy.typing import NDArray
 
-from roomkin.stages.geometry.cameras import OPENGL, SAPIEN_FROM_OPENCV
 from roomkin.stages.geometry.clouds import farthest_points
-from roomkin.stages.geometry.frames import quaternion_from_matrix
+from roomkin.stages.geometry.frames import OPENGL, SAPIEN_FROM_OPENCV, quaternion_from_matrix
 from roomkin.stages.simulation.kinematics import Array
-from roomkin.stages.simulation.shaders import cache_folder, keep
+from roomkin.stages.simulation.rendering import cache_folder, keep
 
 PICTURE = "PositionSegmentation"
 FORMAT = "r16g16b16a16sint"  # millimetres in the camera's frame (x right, y up, z backward) and the entity's id

@@ -1,7 +1,13 @@
 """Pictures from SAPIEN's rasteriser: color, metric depth and one instance id per object."""
 
+import hashlib
+import os
+import re
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -10,9 +16,66 @@ from numpy.typing import ArrayLike, NDArray
 from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
 
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.geometry.cameras import SAPIEN_FROM_OPENCV
-from roomkin.stages.geometry.frames import quaternion_from_matrix
-from roomkin.stages.simulation.shaders import Pack, use
+from roomkin.stages.geometry.frames import SAPIEN_FROM_OPENCV, quaternion_from_matrix
+
+Pack = Literal["default", "minimal"]
+TABLE = re.compile(r"^layout\(.*\) uniform sampler2D samplerBRDFLUT;$", re.MULTILINE)
+READ = re.compile(r"texture\(samplerBRDFLUT, [^;]*\)\.xy;")
+SKY = re.compile(r"textureLod\(samplerEnvironment, [^;]*\)\.rgb;")
+FORMATS: dict[Pack, tuple[str, str]] = {
+    "default": ("r32g32b32a32sfloat", "r32g32b32a32sfloat"),
+    "minimal": ("r8g8b8a8unorm", "r16g16b16a16sint"),
+}
+
+
+def cache_folder() -> Path:
+    """Where generated files are kept between runs; a temporary folder if the home is not writable."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folder = home / "roomkin"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        writable = os.access(folder, os.W_OK)
+    except OSError:
+        writable = False
+    return folder if writable else Path(tempfile.gettempdir()) / "roomkin"
+
+
+def keep(folder: Path, files: dict[str, str]) -> Path:
+    """Write generated files below `folder` unless they are there; two jobs may come here at once."""
+    for name, text in files.items():
+        file = folder / name
+        if not file.exists() or file.read_text(encoding="utf-8") != text:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            own = file.with_name(f"{os.getpid()}-{file.name}")
+            own.write_text(text, encoding="utf-8")
+            own.replace(file)
+    return folder
+
+
+def use(pack: Pack) -> None:
+    """The next cameras are made with a pack: `default` (color and positions as floats), or `minimal`, thrice as fast
+    (color as bytes, positions and segmentation as 16 bit integers, millimetres)."""
+    sapien.render.set_camera_shader_dir(make_skyless_pack(pack))
+    color, position = FORMATS[pack]
+    for name, texture in (("Color", color), ("ColorRaw", color), ("PositionSegmentation", position)):
+        sapien.render.set_picture_format(name, texture)
+
+
+@cache
+def make_skyless_pack(pack: str) -> str:
+    """Folder of the shader pack without the table and the sky; the pack's own name if it is not as we know it."""
+    shipped = Path(sapien.__file__).parent / "vulkan_shader"
+    files = {
+        f"{part}/{path.name}": path.read_text(encoding="utf-8")
+        for part in (pack, "common")
+        for path in sorted((shipped / part).iterdir())
+    }
+    changed = {name: SKY.sub("vec3(0.0);", READ.sub("vec2(0.0);", TABLE.sub("", text))) for name, text in files.items()}
+    if changed == files or any("samplerBRDFLUT" in text for text in changed.values()):
+        return pack
+    digest = hashlib.sha256("\0".join(changed.values()).encode()).hexdigest()[:16]
+    return str(keep(cache_folder() / f"shaders-{digest}", changed) / pack)
+
 
 SHADED, LIGHTS_BEFORE = 8.0, 2.0  # metres: default radius of what casts shadows, and depth of the map beyond it
 _alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (0.1 s)

@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 from roomkin.stages.geometry.frames import quaternion_from_matrix
 from roomkin.stages.simulation import kinematics
 from roomkin.stages.simulation.kinematics import Array, Chain, read_chain
-from roomkin.stages.simulation.shaders import cache_folder, keep
+from roomkin.stages.simulation.rendering import cache_folder, keep
 
 
 def apply_delta(pose: Array, delta: Array) -> Array:

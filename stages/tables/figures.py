@@ -18,9 +18,7 @@ from numpy.typing import NDArray
 from roomkin.stages.contracts.files import write_atomically
 from roomkin.stages.contracts.images import read_narrow
 from roomkin.stages.contracts.policy_config import is_randomised, strip_randomised
-from roomkin.stages.tables.cells import ROW
-from roomkin.stages.tables.order import row_title, set_key, sort_key, title
-from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.rows import ROW, records, row_title, set_key, sort_key, title
 from roomkin.stages.tables.table3 import TRAINED
 from roomkin.stages.tables.text import NOT_RUN, distance_from_twin
 

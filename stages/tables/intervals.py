@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 
 NAN = float("nan")
 

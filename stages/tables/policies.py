@@ -7,15 +7,13 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from roomkin.stages.config.tables import PolicyTables
+from roomkin.stages.config.evaluation import PolicyTables
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.tables import policy_tables, table3
-from roomkin.stages.tables.cells import CELL, ROW
 from roomkin.stages.tables.figures import Panels, figure4, figure9, save, style
-from roomkin.stages.tables.markup import TextTable
-from roomkin.stages.tables.methods import join_published, kinds_of, pool_rollouts, read_rollouts
-from roomkin.stages.tables.policy_tables import policy_notes
-from roomkin.stages.tables.rows import published_policies, published_runs
+from roomkin.stages.tables.policy_tables import join_published, kinds_of, policy_notes, pool_rollouts, read_rollouts
+from roomkin.stages.tables.rows import CELL, ROW, published_policies, published_runs
+from roomkin.stages.tables.text import TextTable
 from roomkin.stages.tables.writing import write, write_csv
 
 KNOWN = [*ROW, "cloud"]  # what is known of a row before it is rolled out

@@ -4,13 +4,11 @@ from typing import Any
 
 import pandas as pd
 
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts.cousins import NO_MODEL
-from roomkin.stages.tables.markup import TextTable, read_notes
-from roomkin.stages.tables.order import NO_IMAGE, VARIANTS, title
-from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.rows import NO_IMAGE, VARIANTS, records, title
 from roomkin.stages.tables.table2 import AFFORDANCES, COUNTS, METRICS
-from roomkin.stages.tables.text import NOT_RUN, NOTHING, cell, number, spread
+from roomkin.stages.tables.text import NOT_RUN, NOTHING, TextTable, cell, number, read_notes, spread
 
 # Decimals of a measure by its unit.
 DIGITS = {"cm": 1, "rad": 2, "iou": 2}

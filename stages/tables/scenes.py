@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.contracts.policies import SceneScore

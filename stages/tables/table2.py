@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.tables.intervals import t_interval
-from roomkin.stages.tables.order import DEFAULT, sort_key
-from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.rows import DEFAULT, records, sort_key
 
 METRICS = ["l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou"]
 MEASURES = [*METRICS, "chamfer", "shape_iou", "shift_cm", "penetration_cm"]

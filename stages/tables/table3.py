@@ -4,11 +4,9 @@ from typing import Any
 
 import pandas as pd
 
-from roomkin.stages.config.tables import TablesConfig
-from roomkin.stages.tables.cells import CELL, GAIN, in_order, rates, tabulate_gains
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.tables.intervals import wilson
-from roomkin.stages.tables.order import SKILL, SPLITS
-from roomkin.stages.tables.rows import records
+from roomkin.stages.tables.rows import CELL, GAIN, SKILL, SPLITS, in_order, rates, records, tabulate_gains
 
 COLUMNS = [
     "target", "task", "policy", "cloud", "test_asset", "feature_distance", "training_set", "run", "seed", "episodes",

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from roomkin.stages.contracts.files import write_text
-from roomkin.stages.tables.markup import TextTable, html, latex
+from roomkin.stages.tables.text import TextTable, html, latex
 
 
 def write_csv(path: Path, table: pd.DataFrame) -> None:

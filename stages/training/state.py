@@ -20,8 +20,7 @@ from roomkin.stages.contracts.errors import explain
 from roomkin.stages.contracts.files import write_atomically
 from roomkin.stages.contracts.policy_config import PolicyConfig
 from roomkin.stages.contracts.system import name_file_in_errors
-from roomkin.stages.policies.base import TrainablePolicy
-from roomkin.stages.policies.checkpoint import save_weights
+from roomkin.stages.policies.base import TrainablePolicy, save_weights
 from roomkin.stages.training.augment import Batch, augment, list_windows, make_batch, vary_handles
 from roomkin.stages.training.dataset import DemonstrationSet, split_episodes
 

@@ -18,8 +18,7 @@ from roomkin.stages.contracts.files import read_options, write_json, write_text
 from roomkin.stages.contracts.policy_config import PolicyConfig
 from roomkin.stages.contracts.trained import CHECKPOINTS, TrainedPolicy
 from roomkin.stages.plugins import find_options, parse_kwargs, qualify_module
-from roomkin.stages.policies.base import make_policy
-from roomkin.stages.policies.checkpoint import FILES, save_weights
+from roomkin.stages.policies.base import FILES, make_policy, save_weights
 from roomkin.stages.training.dataset import (
     DemonstrationSet,
     constant_error,

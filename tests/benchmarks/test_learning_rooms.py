@@ -5,8 +5,7 @@ import pytest
 
 from benchmarks.name_training.pictures import BACKGROUND, GROUND, NOTHING, TrainingPicture, pictures_in
 from benchmarks.name_training.rooms import FLOOR, WALL, MadeRoom, Pool, furnish, make_pool
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.frames import back_project, transform_points
 
 
 @pytest.fixture(scope="module")

@@ -16,8 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from roomkin.plugins.ops.guard import descendants
-from roomkin.plugins.ops.queue import WORKFLOW, Holder
+from roomkin.plugins.ops.guard import WORKFLOW, Holder, descendants
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 NODES = ("n1", "n2")

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from roomkin.stages.contracts import Cousins, Library, Objects, SnapshotShard, read_json, write_json
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.frames import intrinsics_from_fov, look_at, yaw_matrix
 from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.features import run as features
 from roomkin.stages.matching.match import run as match

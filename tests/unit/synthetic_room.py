@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from roomkin.stages.contracts import Annotations, Camera, write_json
 from roomkin.stages.contracts.scenes import Annotation
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.geometry.frames import yaw_matrix
+from roomkin.stages.geometry.frames import intrinsics_from_fov, look_at, yaw_matrix
 
 WIDTH, HEIGHT = 480, 360
 FLOOR, WALL, OBJECT = 1, 2, 10  # mask values; objects count up from OBJECT

@@ -55,7 +55,7 @@ def film(path: Path, frames: int = 6) -> None:
 
 def films(folder: Path, roles: list[str]) -> None:
     """A success and a failure per asset and their list, and the archive of them."""
-    from roomkin.plugins.films.contract import Film, Films
+    from roomkin.plugins.films.kinds import Film, Films
 
     entries = []
     for role in roles:
@@ -209,8 +209,8 @@ def _room(results: Path, name: str) -> None:
 
 
 def _policies(results: Path) -> None:
-    from roomkin.plugins.films.contract import Films
-    from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+    from roomkin.plugins.films.kinds import Films
+    from roomkin.plugins.in_scene.kinds import SceneDemonstration, SceneDemonstrations
 
     assets = [
         TaskAsset(role=role, asset=f"cabinet_{number:02d}", category="cabinet", joint="door", size=(0.5, 0.6, 0.7),

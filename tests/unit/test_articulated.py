@@ -383,7 +383,7 @@ def test_the_walk_over_imports_would_find_a_simulator() -> None:
         for name in imported(path)
     }
     assert "sapien" in found
-    assert read_model.__module__ in closure("roomkin.stages.generation.models")
+    assert read_model.__module__ in closure("roomkin.stages.generation.placed")
 
 
 @pytest.mark.parametrize("kind", ["bar", "arch", "knob", "edge"])

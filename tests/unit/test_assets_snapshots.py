@@ -17,12 +17,10 @@ from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_json, write_json
 from roomkin.stages.contracts.library import SnapshotShard
 from roomkin.stages.contracts.library_folder import write_part
-from roomkin.stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
-from roomkin.stages.geometry.frames import transform_points
-from roomkin.stages.simulation import shaders
+from roomkin.stages.geometry.frames import back_project, intrinsics_from_fov, look_at, transform_points
+from roomkin.stages.simulation import rendering
 from roomkin.stages.simulation.loading import load_asset, root_pose
-from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
-from roomkin.stages.simulation.shaders import make_skyless_pack
+from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene, make_skyless_pack
 
 OPTIONS = json.dumps({"n_snap": 4, "image_size": 96})
 
@@ -115,7 +113,7 @@ def test_shaders_without_a_sky_make_the_same_pictures(tmp_path: Path, monkeypatc
     k = intrinsics_from_fov(96, 96, 0.8)
     pictures = []
     for folder_of in (make_skyless_pack, str):
-        monkeypatch.setattr(shaders, "make_skyless_pack", folder_of)
+        monkeypatch.setattr(rendering, "make_skyless_pack", folder_of)
         scene = make_scene(shadows=False)
         load_asset(scene, tmp_path / asset.id, root_pose(asset, (0.0, 0.0, 0.0), 0.5), True, asset.id)
         pose = look_at((1.5, 0.0, 0.5), (0.0, 0.0, 0.0))

@@ -15,8 +15,7 @@ from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 from roomkin.stages.simulation.loading import load_asset
 from roomkin.stages.simulation.observation import PICTURE, depth_shaders
-from roomkin.stages.simulation.rendering import make_scene
-from roomkin.stages.simulation.shaders import make_skyless_pack
+from roomkin.stages.simulation.rendering import make_scene, make_skyless_pack
 from roomkin.stages.tasks.door import TASK
 from roomkin.stages.tasks.environment import OpenTaskEnv
 from roomkin.stages.tasks.observation import WRIST, MountedCamera, other_shoulder, shoulder

@@ -24,7 +24,7 @@ from roomkin.stages.contracts.generated import PlacedObject
 from roomkin.stages.contracts.library import FrontPanel, Joint
 from roomkin.stages.contracts.policies import TaskAsset
 from roomkin.stages.contracts.scenes import TrueObject
-from roomkin.stages.experiment.cousins import choose_cousins, choose_dissimilar
+from roomkin.stages.experiment.select import choose_cousins, choose_dissimilar
 from roomkin.stages.experiment.select import run as select
 from roomkin.stages.geometry.frames import make_transform
 from roomkin.stages.matching.distances import measure_distances

@@ -15,9 +15,9 @@ import trimesh
 import yaml
 
 from roomkin.plugins.importing.own import run as own
-from roomkin.plugins.importing.shards import own_shards
+from roomkin.plugins.importing.package import own_shards
 from roomkin.plugins.scenes.layout import arrange
-from roomkin.plugins.scenes.room_files import read_room, room_files
+from roomkin.plugins.scenes.recipe import read_room, room_files
 from roomkin.stages.config import code
 from roomkin.stages.config.assets import AssetsConfig
 from roomkin.stages.config.model import load, merge_mappings, with_defaults
@@ -30,7 +30,7 @@ from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.plugins import KINDS, find, list_available
 from roomkin.stages.plugins import load as implementation
-from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.policies.base import load_network
 from roomkin.stages.tasks.api import EnvWrapper
 from roomkin.stages.tasks.base_placement import CLOSED
 from roomkin.stages.training import state

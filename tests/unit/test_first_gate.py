@@ -9,8 +9,7 @@ from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.collect import run as collect
 from roomkin.stages.evaluation.states import FIRST_STATE
 from roomkin.stages.evaluation.vector_env import roll_out
-from roomkin.stages.policies.base import TrainablePolicy, make_policy
-from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.policies.base import TrainablePolicy, load_network, make_policy
 from roomkin.stages.tasks.api import EnvWrapper
 from roomkin.stages.training import dataset
 from roomkin.stages.training.train import run as train

@@ -7,13 +7,18 @@ from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.contracts import Annotations
 from roomkin.stages.contracts.objects import Box, SceneObject
 from roomkin.stages.contracts.scenes import Annotation
-from roomkin.stages.extraction.camera_height import doubt_height, doubt_unit
-from roomkin.stages.extraction.floor import check_frame, find_floor_frame, find_unnamed_floor, fit_shown_floor
+from roomkin.stages.extraction.floor import (
+    check_frame,
+    doubt_height,
+    doubt_unit,
+    find_floor_frame,
+    find_unnamed_floor,
+    fit_shown_floor,
+)
 from roomkin.stages.extraction.noise import AnnotatedImage
 from roomkin.stages.extraction.reconstruct import ExtractedScene, reconstruct
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import PointMap
-from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.frames import PointMap, make_transform
 from roomkin.stages.geometry.room_planes import Plane, WallPlane, make_floor_frame
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace

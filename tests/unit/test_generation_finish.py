@@ -13,7 +13,7 @@ from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.contracts.images import read_masks
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.generation.generate import run
-from roomkin.stages.generation.models import find_main_color, paint
+from roomkin.stages.generation.placed import find_main_color, paint
 from roomkin.stages.generation.scene_file import read_items
 from tests.refusals import refused
 from tests.unit.generation_scenes import thing

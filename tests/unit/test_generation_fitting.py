@@ -14,8 +14,14 @@ from roomkin.stages.contracts.objects import DepthError, Wall
 from roomkin.stages.generation import sizing
 from roomkin.stages.generation.sizing import TOO_SURE, Prior, SeenObject, VisibleSolid, find_correspondences, fit_box
 from roomkin.stages.geometry.boxes import UprightBox, corners
-from roomkin.stages.geometry.cameras import back_project, intrinsics_from_fov
-from roomkin.stages.geometry.frames import Array, make_transform, transform_points, yaw_matrix
+from roomkin.stages.geometry.frames import (
+    Array,
+    back_project,
+    intrinsics_from_fov,
+    make_transform,
+    transform_points,
+    yaw_matrix,
+)
 from roomkin.stages.geometry.masks import Outline, measure_outline
 from roomkin.stages.geometry.solids import find_outermost
 from tests.refusals import refused

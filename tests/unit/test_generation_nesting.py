@@ -11,8 +11,7 @@ from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts import Asset, read_json
 from roomkin.stages.contracts.objects import Mounting
 from roomkin.stages.generation.collisions import find_landing, resolve_collisions
-from roomkin.stages.generation.models import read_collisions, to_prisms
-from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.placed import Placed, read_collisions, to_prisms
 from roomkin.stages.generation.settling import load_items, run_physics
 from roomkin.stages.generation.stacking import assign_supports
 from roomkin.stages.geometry.boxes import UprightBox

@@ -17,8 +17,7 @@ from roomkin.stages.generation.turning import (
     turn_to,
 )
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import view_yaw
-from roomkin.stages.geometry.frames import wrap_angle, yaw_matrix
+from roomkin.stages.geometry.frames import view_yaw, wrap_angle, yaw_matrix
 from tests.unit.generation_scenes import thing
 
 DEGREE = np.pi / 180

@@ -27,14 +27,19 @@ from roomkin.stages.contracts.library_folder import AssetFolders, write_part
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from roomkin.stages.generation.generate import run
 from roomkin.stages.generation.inputs import Inputs, read_inputs
-from roomkin.stages.generation.models import read_collisions
-from roomkin.stages.generation.placed import Placed
+from roomkin.stages.generation.placed import Placed, read_collisions
 from roomkin.stages.generation.placing import Places
 from roomkin.stages.generation.scene_file import doubt_placement, read_items, summarise, to_contract
 from roomkin.stages.generation.settling import describe_fall, find_behind, load_items, run_physics, simulate
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox, corners
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at, project
-from roomkin.stages.geometry.frames import invert_transform, transform_points, yaw_matrix
+from roomkin.stages.geometry.frames import (
+    intrinsics_from_fov,
+    invert_transform,
+    look_at,
+    project,
+    transform_points,
+    yaw_matrix,
+)
 from roomkin.stages.geometry.masks import polygon
 from roomkin.stages.simulation.loading import physics_scene
 from tests.packages import needs

@@ -13,7 +13,7 @@ from roomkin.stages.contracts.objects import Wall
 from roomkin.stages.generation.settling import run_physics
 from roomkin.stages.generation.turning import find_yaw
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import view_angle
+from roomkin.stages.geometry.frames import view_angle
 from tests.unit.generation_scenes import thing
 
 CAMERA = (0.0, 0.0, 1.4)

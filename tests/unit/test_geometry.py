@@ -13,20 +13,18 @@ from roomkin.stages.geometry.boxes import (
     oriented_iou,
     surface_points,
 )
-from roomkin.stages.geometry.cameras import (
-    PointMap,
-    back_project,
-    intrinsics_from_fov,
-    look_at,
-    make_intrinsics,
-    project,
-)
 from roomkin.stages.geometry.clouds import dbscan, farthest_points, minimum_box, statistical_inliers
 from roomkin.stages.geometry.depth_forms import ray_lengths
 from roomkin.stages.geometry.frames import (
+    PointMap,
     angle_difference,
+    back_project,
+    intrinsics_from_fov,
     invert_transform,
+    look_at,
+    make_intrinsics,
     make_transform,
+    project,
     quaternion_from_matrix,
     transform_points,
     wrap_angle,

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import back_project
+from roomkin.stages.geometry.frames import back_project
 from roomkin.stages.geometry.levels import find_floor, find_levels
 from roomkin.stages.geometry.room_planes import estimate_up, find_up, is_upside_down
 from tests.unit.synthetic_room import HEIGHT, INTRINSICS, OBJECT, WIDTH, WORLD_FROM_CAMERA, trace

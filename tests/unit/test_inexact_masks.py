@@ -11,12 +11,11 @@ from roomkin.stages.contracts.objects import USUAL_ERROR, Box, DepthError, Scene
 from roomkin.stages.contracts.scenes import Annotation, Held
 from roomkin.stages.extraction.contact import DepthView, measure_shelf
 from roomkin.stages.extraction.corrected_masks import Cutter, correct_masks, paint_masks
-from roomkin.stages.extraction.corrections import correct_image
 from roomkin.stages.extraction.depth_error import remove_reflections
 from roomkin.stages.extraction.noise import AnnotatedImage
-from roomkin.stages.extraction.reconstruct import ExtractedScene, find_hanging, reconstruct
+from roomkin.stages.extraction.reconstruct import ExtractedScene, correct_image, find_hanging, reconstruct
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.frames import PointMap
 from roomkin.stages.geometry.masks import central_crop, erode
 from tests.refusals import refused
 from tests.unit.synthetic_room import (

@@ -13,15 +13,14 @@ import pytest
 
 from roomkin.plugins.furniture.catalogue import sample
 from roomkin.plugins.furniture.folder import generate
-from roomkin.plugins.scenes.config import ScenesConfig
+from roomkin.plugins.scenes.recipe import ScenesConfig
 from roomkin.stages.cli import main
 from roomkin.stages.config.assets import AssetsConfig
-from roomkin.stages.config.evaluation import EvaluationConfig
+from roomkin.stages.config.evaluation import EvaluationConfig, TablesConfig
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.config.inputs import ExtractionConfig
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.config.packages import home_of
-from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.config.training import DemonstrationsConfig
 from roomkin.stages.contracts import InputError, read_options
 from roomkin.stages.contracts.library import Recipe

@@ -15,8 +15,7 @@ from safetensors.torch import save_file as save_torch
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.__main__ import main
 from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.policies.base import TrainablePolicy, make_policy
-from roomkin.stages.policies.checkpoint import load_network, save_weights
+from roomkin.stages.policies.base import TrainablePolicy, load_network, make_policy, save_weights
 from roomkin.stages.training.dataset import read_demonstrations
 from roomkin.stages.training.state import TrainingState
 from tests.refusals import refused

@@ -10,8 +10,14 @@ from roomkin.stages.contracts.library import FrontPanel, LibraryEntry
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.contracts.parts import Panel
 from roomkin.stages.contracts.scenes import Annotation
-from roomkin.stages.matching.candidates import Candidates
-from roomkin.stages.matching.priors import layout_gap, list_addends, measure_overlaps, panel_gap, to_boxes
+from roomkin.stages.matching.candidates import (
+    Candidates,
+    layout_gap,
+    list_addends,
+    measure_overlaps,
+    panel_gap,
+    to_boxes,
+)
 
 
 def panel(kind: str, left: float, right: float, bottom: float, top: float) -> Panel:

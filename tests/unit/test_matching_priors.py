@@ -11,10 +11,9 @@ from roomkin.stages.contracts.cousins import CategoryMatch
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
 from roomkin.stages.geometry.masks import foreground
-from roomkin.stages.matching.candidates import Candidates
+from roomkin.stages.matching.candidates import Candidates, is_misplaced, list_addends, size_gap
 from roomkin.stages.matching.descriptors import patch_colors
 from roomkin.stages.matching.encoders import make_encoder
-from roomkin.stages.matching.priors import is_misplaced, list_addends, size_gap
 from roomkin.stages.matching.ranking import make_query
 from tests.unit.matching_data import World, view_of_box
 

@@ -10,7 +10,7 @@ from roomkin.stages.contracts import Library, read_json
 from roomkin.stages.contracts.cousins import CategoryMatch
 from roomkin.stages.contracts.features import check_features
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.cameras import look_at
+from roomkin.stages.geometry.frames import look_at
 from roomkin.stages.matching.candidates import Candidates
 from roomkin.stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
 from roomkin.stages.matching.ranking import make_query, shortlist

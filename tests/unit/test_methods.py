@@ -15,15 +15,13 @@ from matplotlib.figure import Figure
 from roomkin.plugins.claims import claims
 from roomkin.plugins.report import report
 from roomkin.plugins.studies import conditions, results
+from roomkin.stages.config.evaluation import PolicyAbout, PolicyTables, TablesConfig
 from roomkin.stages.config.model import Config, load, with_defaults
-from roomkin.stages.config.tables import PolicyAbout, PolicyTables, TablesConfig
 from roomkin.stages.config.training import policy_tables
 from roomkin.stages.contracts.policies import Rollout
 from roomkin.stages.tables import policies
-from roomkin.stages.tables.methods import check_methods, join_published, kinds_of, read_pooled
-from roomkin.stages.tables.order import target_title
-from roomkin.stages.tables.policy_tables import policy_notes
-from roomkin.stages.tables.rows import published_runs
+from roomkin.stages.tables.policy_tables import check_methods, join_published, kinds_of, policy_notes, read_pooled
+from roomkin.stages.tables.rows import published_runs, target_title
 from tests.refusals import refused
 from tests.unit.tables_results import declared, rollout, write_rows, write_run
 

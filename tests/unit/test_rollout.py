@@ -20,7 +20,7 @@ from roomkin.stages.evaluation import choose, merge, rollout, selection_rollout,
 from roomkin.stages.evaluation.simulators import maniskill
 from roomkin.stages.evaluation.states import Purpose, Start, initial_states, share_states, starts_of
 from roomkin.stages.evaluation.vector_env import roll_out
-from roomkin.stages.policies.checkpoint import save_weights
+from roomkin.stages.policies.base import save_weights
 from roomkin.stages.tasks.api import Observation, StepResult
 from roomkin.stages.tasks.observation import Sensing
 from roomkin.stages.training.train import run as train

@@ -18,8 +18,7 @@ from roomkin.stages.contracts.objects import Box, Mounting, SceneObject
 from roomkin.stages.contracts.scenes import TrueObject
 from roomkin.stages.evaluation.score import run
 from roomkin.stages.evaluation.scoring import measure_likeness, score_scene
-from roomkin.stages.geometry.cameras import look_at
-from roomkin.stages.geometry.frames import invert_transform, transform_points, yaw_of_matrix
+from roomkin.stages.geometry.frames import invert_transform, look_at, transform_points, yaw_of_matrix
 from tests.refusals import refused
 
 WORLD_FROM_CAMERA = look_at([5.0, 1.0, 1.6], [0.0, 0.0, 0.6])  # the room's frame

@@ -12,8 +12,8 @@ import pytest
 import torch
 
 from roomkin.plugins.furniture.catalogue import sample
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.config.experiment import ExperimentConfig
-from roomkin.stages.config.tables import TablesConfig
 from roomkin.stages.config.training import DemonstrationsConfig, RandomiseOptions
 from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.demonstrations.attempt import draw_approach_speed

@@ -7,17 +7,23 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.config.evaluation import PolicyTables, TablesConfig
 from roomkin.stages.contracts.policies import Rollout, SceneScore
 from roomkin.stages.tables import policies, policy_tables, scene_tables, scenes, table2, table3
 from roomkin.stages.tables.figures import draw_rates, figure9
 from roomkin.stages.tables.intervals import t_interval, wilson
-from roomkin.stages.tables.markup import TextTable, html, latex, markdown
-from roomkin.stages.tables.methods import join_published
-from roomkin.stages.tables.order import set_key, sort_key, variant_key
-from roomkin.stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
+from roomkin.stages.tables.policy_tables import join_published
+from roomkin.stages.tables.rows import (
+    ONE_SCENE,
+    published_policies,
+    published_scenes,
+    read_rows,
+    set_key,
+    sort_key,
+    variant_key,
+)
+from roomkin.stages.tables.text import TextTable, html, latex, markdown, percent, points, span
 from roomkin.stages.tables.text import cell as text_cell
-from roomkin.stages.tables.text import percent, points, span
 from tests.refusals import refused
 from tests.unit.tables_results import rollout, rollouts, score, write_rows
 

@@ -16,8 +16,7 @@ from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.contracts.trained import read_config, weights_of
 from roomkin.stages.policies import point_cloud
-from roomkin.stages.policies.base import make_policy
-from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.policies.base import load_network, make_policy
 from roomkin.stages.training import augment, dataset
 from roomkin.stages.training import state as loop
 from roomkin.stages.training.augment import list_windows, make_batch

@@ -10,7 +10,7 @@ import pytest
 import torch
 from pydantic import ValidationError
 
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.objects import Box, DepthError, Wall, distance_between
 from roomkin.stages.contracts.policy_config import PolicyConfig
@@ -18,10 +18,10 @@ from roomkin.stages.contracts.trained import check_policy
 from roomkin.stages.extraction.contact import CONTACT_DISTANCE, DepthView
 from roomkin.stages.geometry.frames import make_transform
 from roomkin.stages.geometry.masks import measure_outline
-from roomkin.stages.matching.priors import lay_over
-from roomkin.stages.policies.checkpoint import save_weights
+from roomkin.stages.matching.candidates import lay_over
+from roomkin.stages.policies.base import save_weights
 from roomkin.stages.skills.open import OpenSkill
-from roomkin.stages.tables.cells import tabulate_gains
+from roomkin.stages.tables.rows import tabulate_gains
 from roomkin.stages.training.augment import Batch, widen_grips
 from tests.unit.tables_results import rollout
 from tests.unit.trained_policy import trained

@@ -7,8 +7,8 @@ import torch
 from roomkin.stages.contracts import write_json
 from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.contracts.trained import TrainedPolicy, TrainingStore
+from roomkin.stages.policies.base import save_weights
 from roomkin.stages.policies.bc_rnn_gmm import Policy
-from roomkin.stages.policies.checkpoint import save_weights
 
 
 def trained(folder: Path, config: PolicyConfig) -> Path:

@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from roomkin.plugins.ops.queue import LOCK
+from roomkin.plugins.ops.guard import LOCK
 from tests.workflow.kill import KINDS, difference, killed_run
 from tests.workflow.workspace import MICRO, copy, make, only_one, snakemake
 

@@ -16,8 +16,7 @@ from roomkin.plugins.annotator.session import Session
 from roomkin.stages.contracts import Annotations, Camera, Truth, read_json
 from roomkin.stages.contracts.scenes import TrueObject
 from roomkin.stages.geometry.boxes import UprightBox, corners
-from roomkin.stages.geometry.cameras import project
-from roomkin.stages.geometry.frames import invert_transform, transform_points, wrap_angle
+from roomkin.stages.geometry.frames import invert_transform, project, transform_points, wrap_angle
 
 
 @dataclass

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from roomkin.plugins.annotator import annotate
 from roomkin.plugins.annotator.correcting import Correcting
-from roomkin.plugins.annotator.shown import ShownPicture, ShownThing
+from roomkin.plugins.annotator.said import ShownPicture, ShownThing
 from roomkin.plugins.annotator.tests.annotate_page import wait_for, watched
 from roomkin.plugins.annotator.tests.corrected_scene import read_told_to
 from roomkin.plugins.annotator.tests.test_annotate_browser import browser  # noqa: F401
@@ -25,10 +25,9 @@ from roomkin.stages.contracts.parts import Panel
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.extraction.corrected_masks import Cutter
-from roomkin.stages.extraction.corrections import correct_image, correct_scene
 from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.extraction.noise import read_folder
-from roomkin.stages.extraction.reconstruct import ExtractedScene
+from roomkin.stages.extraction.reconstruct import ExtractedScene, correct_image, correct_scene
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.perception.drawing.project import DrawnObject
 from tests.refusals import refused

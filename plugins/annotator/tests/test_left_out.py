@@ -16,9 +16,9 @@ from roomkin.stages.contracts import Objects, read_json, write_json
 from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT, Correction
 from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.contracts.things import THINGS, Ground, Name, Thing, Things
-from roomkin.stages.extraction.corrections import correct_image
 from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.extraction.noise import read_folder
+from roomkin.stages.extraction.reconstruct import correct_image
 from tests.unit.synthetic_room import FLOOR, WALL, write_room
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from roomkin.stages.contracts.hand import Correction
-from roomkin.stages.extraction.corrections import correct_scene
+from roomkin.stages.extraction.reconstruct import correct_scene
 from roomkin.stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import OBJECT, trace
 from tests.unit.test_inexact_masks import ends, extracted

@@ -15,7 +15,7 @@ from roomkin.stages.contracts.generated import PlacedObject
 from roomkin.stages.contracts.hand import Correction
 from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.objects import Wall
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.geometry.frames import intrinsics_from_fov, look_at
 
 MASK, TURN = 3, Orientation(yaw=3.0, distance=1.0)
 CHEST = PlacedObject(

@@ -8,8 +8,7 @@ import torch
 
 from roomkin.plugins.api.loaded import LoadedPolicy, load_policy
 from roomkin.stages.contracts.policy_config import PolicyConfig
-from roomkin.stages.policies.base import make_rollout_policy
-from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.policies.base import load_network, make_rollout_policy
 from tests.refusals import refused
 from tests.unit.trained_policy import trained
 

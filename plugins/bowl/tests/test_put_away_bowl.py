@@ -9,7 +9,7 @@ import pytest
 import torch
 import trimesh
 
-from roomkin.plugins.bowl.region import find_level_region, measure_headroom
+from roomkin.plugins.bowl.carry import find_level_region, measure_headroom
 from roomkin.plugins.bowl.skills.pick.skill import (
     TURNS,
     measure_turn,

@@ -9,14 +9,13 @@ import pytest
 from roomkin.plugins.claims import assets, claims, power
 from roomkin.plugins.claims.tables import claims_table, stability_table
 from roomkin.plugins.report.page.result import sentences
-from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.config.evaluation import PolicyTables, TablesConfig
 from roomkin.stages.contracts.policies import Rollout
 from roomkin.stages.tables import table3
 from roomkin.stages.tables.intervals import PLACE, POLICY, Side, score_interval, unit_rates
-from roomkin.stages.tables.markup import markdown
-from roomkin.stages.tables.methods import join_published
+from roomkin.stages.tables.policy_tables import join_published
 from roomkin.stages.tables.rows import published_policies, published_runs
-from roomkin.stages.tables.text import percent
+from roomkin.stages.tables.text import markdown, percent
 from tests.unit.tables_results import rollout
 
 PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"

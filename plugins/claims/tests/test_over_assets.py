@@ -9,14 +9,13 @@ from roomkin.plugins.claims import assets, more
 from roomkin.plugins.claims.more import make_panels
 from roomkin.plugins.claims.tables import assets_table, by_handle_table
 from roomkin.plugins.report.roles import lists_table, role_title, roles_table
-from roomkin.stages.config.tables import PolicyTables, TablesConfig
+from roomkin.stages.config.evaluation import PolicyTables, TablesConfig
 from roomkin.stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from roomkin.stages.tables import table3
 from roomkin.stages.tables.figures import figure4
-from roomkin.stages.tables.markup import TextTable, markdown
-from roomkin.stages.tables.methods import join_published
-from roomkin.stages.tables.order import row_title, set_key, target_title, title
-from roomkin.stages.tables.rows import published_policies
+from roomkin.stages.tables.policy_tables import join_published
+from roomkin.stages.tables.rows import published_policies, row_title, set_key, target_title, title
+from roomkin.stages.tables.text import TextTable, markdown
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
 
 PUBLISHED = Path(__file__).resolve().parents[3] / "report" / "published"

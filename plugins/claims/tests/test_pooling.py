@@ -9,12 +9,12 @@ from roomkin.plugins.claims import assets
 from roomkin.plugins.claims.more import target_tables
 from roomkin.plugins.studies import conditions
 from roomkin.plugins.studies.study import policy_file, progress_table
+from roomkin.stages.config.evaluation import PolicyTables
 from roomkin.stages.config.model import Config, load
-from roomkin.stages.config.tables import PolicyTables
 from roomkin.stages.config.targets import Cell
 from roomkin.stages.config.training import policy_tables
 from roomkin.stages.contracts.policies import Rollout
-from roomkin.stages.tables.methods import kinds_of, pool_rollouts
+from roomkin.stages.tables.policy_tables import kinds_of, pool_rollouts
 from tests.unit.tables_results import over_assets
 
 DOOR = {"task": "door", "room": "room_1", "object": "cabinet_1"}

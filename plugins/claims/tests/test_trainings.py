@@ -13,7 +13,7 @@ from roomkin.stages.contracts.files import write_json
 from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
 from roomkin.stages.contracts.trained import TrainedPolicy, TrainingStore
 from roomkin.stages.tables import policies
-from roomkin.stages.tables.markup import markdown
+from roomkin.stages.tables.text import markdown
 from tests.unit.tables_results import declared, rollout, rollouts, write_rows, write_run
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -4,7 +4,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from roomkin.stages.policies.point_cloud_options import PointCloudOptions
+from roomkin.stages.policies.bc_rnn_gmm_options import PointCloudOptions
 
 
 class Options(PointCloudOptions):

@@ -11,8 +11,7 @@ import torch
 from roomkin.plugins.diffusion.policies.diffusion import Policy, signal_levels
 from roomkin.stages.contracts.policy_config import PolicyConfig
 from roomkin.stages.plugins import find, qualify_module
-from roomkin.stages.policies.base import ActionMode, TrainablePolicy
-from roomkin.stages.policies.checkpoint import load_network
+from roomkin.stages.policies.base import ActionMode, TrainablePolicy, load_network
 from roomkin.stages.training.augment import list_windows, make_batch
 from roomkin.stages.training.dataset import read_demonstrations
 from roomkin.stages.training.state import TrainingState

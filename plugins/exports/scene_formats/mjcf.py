@@ -7,9 +7,8 @@ import numpy as np
 
 from roomkin.plugins.mujoco.mjcf_writer import TOUCHED, ModelWriter, document, text
 from roomkin.stages.contracts.generated import GAMMA
-from roomkin.stages.generation.scene_models import CAMERA, ExportedScene
-from roomkin.stages.geometry.cameras import OPENGL
-from roomkin.stages.geometry.frames import quaternion_from_matrix, yaw_quaternion
+from roomkin.stages.generation.scene_file import CAMERA, ExportedScene
+from roomkin.stages.geometry.frames import OPENGL, quaternion_from_matrix, yaw_quaternion
 
 
 def write(room: ExportedScene, out: Path) -> None:

@@ -14,7 +14,7 @@ from roomkin.stages.articulated.asset_folder import atomic_folder
 from roomkin.stages.articulated.model import Matrix
 from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.contracts.system import sync
-from roomkin.stages.generation.scene_models import CAMERA, Body, ExportedScene
+from roomkin.stages.generation.scene_file import CAMERA, Body, ExportedScene
 from roomkin.stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
 from roomkin.stages.simulation.room import ColoredBlock
 

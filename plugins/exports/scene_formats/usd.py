@@ -6,14 +6,13 @@ from typing import Any
 import numpy as np
 
 from roomkin.stages.articulated.asset_folder import atomic_folder
+from roomkin.stages.articulated.mesh_writer import ColoredMesh, surfaces
 from roomkin.stages.articulated.model import JointModel, Link, Matrix
-from roomkin.stages.articulated.surfaces import ColoredMesh, surfaces
 from roomkin.stages.articulated.urdf_writer import DAMPING, SURFACE_FRICTION
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.system import sync
-from roomkin.stages.generation.scene_models import CAMERA, Body, ExportedScene, surface_of
-from roomkin.stages.geometry.cameras import OPENGL
-from roomkin.stages.geometry.frames import make_transform, quaternion_from_matrix, yaw_matrix
+from roomkin.stages.generation.scene_file import CAMERA, Body, ExportedScene, surface_of
+from roomkin.stages.geometry.frames import OPENGL, make_transform, quaternion_from_matrix, yaw_matrix
 
 try:
     from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt

@@ -12,8 +12,7 @@ import torch
 from roomkin.plugins.exports.bc_rnn_gmm.loader import PortablePolicy
 from roomkin.plugins.exports.policy import run
 from roomkin.stages.contracts.policy_config import PolicyConfig, TaskConfig
-from roomkin.stages.policies.base import make_rollout_policy
-from roomkin.stages.policies.checkpoint import load_network, save_weights
+from roomkin.stages.policies.base import load_network, make_rollout_policy, save_weights
 from roomkin.stages.policies.handle_points import segment_handles
 from tests.refusals import refused
 from tests.unit.trained_policy import trained

@@ -24,9 +24,9 @@ from roomkin.stages.contracts import GeneratedScene, LibraryPart, write_json
 from roomkin.stages.contracts.generated import ROOM_LIGHT, Look, Surface
 from roomkin.stages.contracts.objects import Mounting, Wall
 from roomkin.stages.generation.placed import Placed
-from roomkin.stages.generation.scene_models import ExportedScene, room_of
+from roomkin.stages.generation.scene_file import ExportedScene, room_of
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import look_at
+from roomkin.stages.geometry.frames import look_at
 
 FOCAL, MIDDLE = 150.0, (90.0, 80.0)  # pixels; not the middle of the picture
 WIDTH, HEIGHT = 200, 150

@@ -16,7 +16,7 @@ from roomkin.plugins.pictures import glb
 from roomkin.stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
 from roomkin.stages.articulated.model import JointModel, Link, RobotModel, Visual, link_frames
 from roomkin.stages.contracts import GeneratedScene
-from roomkin.stages.generation.scene_models import Body, ExportedScene
+from roomkin.stages.generation.scene_file import Body, ExportedScene
 from roomkin.stages.geometry.frames import invert_transform, make_transform
 
 LOWER, UPPER = 0.35, 1.2

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from roomkin.plugins.films import rollouts
-from roomkin.plugins.films.contract import Film, Films
+from roomkin.plugins.films.kinds import Film, Films
 from roomkin.plugins.films.rollouts import RolloutFilms, add_caption, pick_episodes
 from roomkin.stages.contracts.archives import unpack
 from roomkin.stages.contracts.files import read_json
@@ -83,7 +83,7 @@ def test_the_first_success_of_demonstrations_is_filmed(tmp_path: Path) -> None:
     for name in ("a", "b"):
         run(
             **inputs, role="twin", episodes=2, out=tmp_path / name / "episodes.h5", seed=3, options='{"noise": 0.004}',
-            films=("roomkin.plugins.films.demonstrations",), task_options=json.dumps(TASK),
+            films=("roomkin.plugins.films.writing",), task_options=json.dumps(TASK),
         )  # fmt: skip
     assert (tmp_path / "a" / "films.zip").read_bytes() == (tmp_path / "b" / "films.zip").read_bytes()
     (filmed,) = read_films(tmp_path / "a" / "films.zip")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from roomkin.plugins.films.contract import Film
+from roomkin.plugins.films.kinds import Film
 from roomkin.plugins.films.writing import LAST, write_film
 from tests.refusals import refused
 

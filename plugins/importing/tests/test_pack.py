@@ -8,10 +8,9 @@ import pytest
 import trimesh
 import yaml
 
-from roomkin.plugins.importing.evidence import Shared
+from roomkin.plugins.importing.evidence import Shared, read_pack
 from roomkin.plugins.importing.import_ import run
 from roomkin.plugins.importing.imports import Notes
-from roomkin.plugins.importing.pack import read_pack
 from roomkin.plugins.importing.tests.test_fronts import box, cabinet, joint, write_partnet
 from roomkin.plugins.report.tests.test_report_browser import FLAGS
 from roomkin.stages.contracts.errors import InputError

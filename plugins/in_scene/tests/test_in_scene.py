@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roomkin.plugins.films.contract import read_films
-from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+from roomkin.plugins.films.kinds import read_films
 from roomkin.plugins.in_scene.demonstrate import run
+from roomkin.plugins.in_scene.kinds import SceneDemonstration, SceneDemonstrations
 from roomkin.plugins.in_scene.room import OBSTACLES_WITHIN, GeneratedRoom, find_obstacle, list_base_shifts, read_room
 from roomkin.stages.contracts import InputError, read_json, write_json
 from roomkin.stages.contracts.archives import unpack

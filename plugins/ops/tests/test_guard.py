@@ -11,8 +11,16 @@ from pathlib import Path
 
 import pytest
 
-from roomkin.plugins.ops.guard import asks_for_run, descendants, hold_folder
-from roomkin.plugins.ops.queue import LOCK, WORKFLOW, Holder, start_time, stop_if_taken_over
+from roomkin.plugins.ops.guard import (
+    LOCK,
+    WORKFLOW,
+    Holder,
+    asks_for_run,
+    descendants,
+    hold_folder,
+    start_time,
+    stop_if_taken_over,
+)
 from roomkin.stages.articulated.asset_folder import atomic_folder
 from roomkin.stages.contracts import write_atomically
 from tests.refusals import refused

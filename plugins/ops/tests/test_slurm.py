@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from roomkin.plugins.ops import queue as slurm
+from roomkin.plugins.ops import guard as slurm
 
 RUN = "8c6d3c6e-2f53-4a44-9f0a-0d5a9d5f5d11"
 SQUEUE = "#!/bin/sh\ncat queue\n"

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from roomkin.plugins.pictures.look import draw_side_by_side
 from roomkin.plugins.pictures.objects import WIDTH, _caption, draw_overview
-from roomkin.plugins.pictures.painting import draw_side_by_side
 from roomkin.plugins.pictures.snapshots import TILE, contact_sheet
 from roomkin.stages.contracts.objects import Box, Mounting, Objects, SceneObject, Wall
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.geometry.frames import intrinsics_from_fov, look_at
 
 LABEL = (20, 20, 20)
 

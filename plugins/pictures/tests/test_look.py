@@ -13,16 +13,16 @@ from roomkin.plugins.pictures.look import (
     estimate_look,
     find_bounds,
     find_surfaces,
+    furnish,
     merge_meshes,
     to_direction,
 )
-from roomkin.plugins.pictures.painting import furnish
 from roomkin.stages.contracts import GeneratedScene, Objects
 from roomkin.stages.contracts.generated import ROOM_LIGHT, Look, Surface
 from roomkin.stages.contracts.objects import Mounting, SceneObject, Wall
 from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
+from roomkin.stages.geometry.frames import intrinsics_from_fov, look_at
 from roomkin.stages.simulation.rendering import RenderCamera, instance_id
 from roomkin.stages.simulation.room import WALL_HEIGHT
 

@@ -14,7 +14,7 @@ from roomkin.plugins.pretrained import networks
 from roomkin.plugins.pretrained.networks import Detection, depth_of, detect, segment
 from roomkin.plugins.vlm.ask import Asker, NoAnswerError
 from roomkin.plugins.vlm.captioners import vlm
-from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.package import VlmConfig
 from roomkin.plugins.vlm.prompt import draw_box
 from roomkin.plugins.vlm.tests.chat_server import KEY, ChatServer, says, serving
 from roomkin.stages.config.perception import MeasureOptions, PerceptionSection, SeeOptions
@@ -25,14 +25,13 @@ from roomkin.stages.contracts.scene_input import read_scene_input
 from roomkin.stages.contracts.scenes import Held
 from roomkin.stages.extraction.extract import run as extract
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.frames import back_project, transform_points
 from roomkin.stages.geometry.room_planes import STRAY
 from roomkin.stages.perception import measure, see
-from roomkin.stages.perception.captions import state
 from roomkin.stages.perception.read import photo
 from roomkin.stages.perception.read.frame import Frame
 from roomkin.stages.perception.read.photo import Photo
+from roomkin.stages.perception.see import state
 from roomkin.stages.perception.write import draw_numbers
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, write_room

@@ -9,13 +9,13 @@ follow by distance.
 from collections.abc import Sequence
 from typing import Any
 
-from roomkin.plugins.render_and_compare.config import GeometryConfig
 from roomkin.plugins.render_and_compare.fits import Fit
+from roomkin.plugins.render_and_compare.package import GeometryConfig
 from roomkin.plugins.render_and_compare.workbench import Workbench
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
-from roomkin.stages.matching.priors import sum_priors
-from roomkin.stages.matching.question import DIGITS, Question
+from roomkin.stages.matching.candidates import sum_priors
+from roomkin.stages.matching.snapshots import DIGITS, Question
 
 MIN_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing; chosen
 

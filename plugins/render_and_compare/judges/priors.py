@@ -8,9 +8,9 @@ import numpy as np
 from roomkin.plugins.render_and_compare.observation import aligned_yaws, is_front_known
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
-from roomkin.stages.geometry.cameras import view_angle
-from roomkin.stages.matching.priors import sum_priors
-from roomkin.stages.matching.question import DIGITS, AbstainedError, Question
+from roomkin.stages.geometry.frames import view_angle
+from roomkin.stages.matching.candidates import sum_priors
+from roomkin.stages.matching.snapshots import DIGITS, AbstainedError, Question
 
 
 class Judge:

@@ -8,8 +8,8 @@ from roomkin.plugins.render_and_compare.workbench import Workbench
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
 from roomkin.stages.matching.encoders import encode_rows, make_encoder
-from roomkin.stages.matching.question import DIGITS, AbstainedError, Question
 from roomkin.stages.matching.ranking import compare, make_query
+from roomkin.stages.matching.snapshots import DIGITS, AbstainedError, Question
 
 
 class Judge:

@@ -13,20 +13,22 @@ import trimesh
 from PIL import Image
 
 from roomkin.plugins.pictures.cousins import write_picture
-from roomkin.plugins.render_and_compare.config import GeometryConfig
 from roomkin.plugins.render_and_compare.fits import (
+    Measured,
     color_agreement,
     compare,
+    lay_over,
     line_agreement,
     line_field,
+    measure,
     outline_agreement,
 )
-from roomkin.plugins.render_and_compare.fitting import Measured, lay_over, measure
 from roomkin.plugins.render_and_compare.in_place import InPlace
 from roomkin.plugins.render_and_compare.judges.geometry import MIN_FIT
 from roomkin.plugins.render_and_compare.judges.geometry import Judge as Geometry
 from roomkin.plugins.render_and_compare.judges.rerender import Judge as Rerender
 from roomkin.plugins.render_and_compare.observation import NoisyCloud, ObservedGrid, free_sides, observe
+from roomkin.plugins.render_and_compare.package import GeometryConfig
 from roomkin.plugins.render_and_compare.rendering import ColoredSolid, Rendering, render
 from roomkin.stages.articulated.asset_folder import Description, write_asset
 from roomkin.stages.articulated.model import Link, RobotModel, Visual
@@ -37,8 +39,7 @@ from roomkin.stages.contracts.library import LibraryEntry
 from roomkin.stages.contracts.library_folder import write_part
 from roomkin.stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject, Wall
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
+from roomkin.stages.geometry.frames import intrinsics_from_fov, look_at, make_transform, wrap_angle, yaw_matrix
 from roomkin.stages.geometry.masks import ObjectView
 from roomkin.stages.matching.judges import AbstainedError, Question
 from roomkin.stages.matching.snapshots import Snapshots

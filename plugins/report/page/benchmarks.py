@@ -6,9 +6,8 @@ from pathlib import Path
 import pandas as pd
 
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.tables.markup import TextTable
 from roomkin.stages.tables.rows import records
-from roomkin.stages.tables.text import number
+from roomkin.stages.tables.text import TextTable, number
 
 JOB = ["stage", "name", "seconds", "cpu_seconds", "memory"]
 

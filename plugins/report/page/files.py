@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.tables.order import sort_key
+from roomkin.stages.tables.rows import sort_key
 
 
 class RunFiles:

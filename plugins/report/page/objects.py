@@ -14,8 +14,7 @@ from roomkin.stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.generated import PlacedObject
 from roomkin.stages.contracts.objects import Objects, SceneObject
-from roomkin.stages.geometry.cameras import project
-from roomkin.stages.geometry.frames import invert_transform, transform_points, wrap_angle, yaw_matrix
+from roomkin.stages.geometry.frames import invert_transform, project, transform_points, wrap_angle, yaw_matrix
 from roomkin.stages.tables.text import NOTHING
 
 LISTED = 5  # cousins, models compared and categories of an object that are listed

@@ -14,8 +14,8 @@ from roomkin.stages.contracts.doubt import Doubt, DoubtKind
 from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
 from roomkin.stages.contracts.objects import Objects, SceneObject
-from roomkin.stages.extraction.camera_height import doubt_height
-from roomkin.stages.tables.order import sort_key
+from roomkin.stages.extraction.floor import doubt_height
+from roomkin.stages.tables.rows import sort_key
 from roomkin.stages.tables.text import NOT_RUN
 
 

@@ -6,20 +6,19 @@ from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
-from roomkin.plugins.films.contract import Film, read_films
-from roomkin.plugins.in_scene.contract import SceneDemonstration, SceneDemonstrations
+from roomkin.plugins.films.kinds import Film, read_films
+from roomkin.plugins.in_scene.kinds import SceneDemonstration, SceneDemonstrations
 from roomkin.plugins.report.album import Album, Animation, PagePicture, SnapshotShards
-from roomkin.plugins.report.page.charts import Points, line_chart
 from roomkin.plugins.report.page.files import RunFiles
+from roomkin.plugins.report.page.result import Points, line_chart
 from roomkin.plugins.report.roles import lists_table, role_title, roles_table, used_roles
 from roomkin.stages.contracts.archives import unpack
 from roomkin.stages.contracts.episode_store import read_attempts, read_metrics
 from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.policies import TaskAssets
 from roomkin.stages.tables.intervals import wilson
-from roomkin.stages.tables.markup import TextTable
-from roomkin.stages.tables.order import set_key, sort_key, target_title, title
-from roomkin.stages.tables.text import NOTHING, cell, percent, span
+from roomkin.stages.tables.rows import set_key, sort_key, target_title, title
+from roomkin.stages.tables.text import NOTHING, TextTable, cell, percent, span
 
 Films = dict[str, list[tuple[Film, Animation]]]  # by role: the first film is shown, the others on demand
 

@@ -20,7 +20,7 @@ from roomkin.stages.contracts.generated import GeneratedScene
 from roomkin.stages.contracts.images import read_rgb
 from roomkin.stages.contracts.objects import Objects
 from roomkin.stages.plugins import shorten_name
-from roomkin.stages.tables.order import sort_key, title, variant_key
+from roomkin.stages.tables.rows import sort_key, title, variant_key
 from roomkin.stages.tables.table2 import judge
 
 

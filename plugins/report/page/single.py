@@ -20,7 +20,7 @@ from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.extracted import read_metres
 from roomkin.stages.contracts.objects import Objects
 from roomkin.stages.contracts.scenes import Camera
-from roomkin.stages.extraction.camera_height import doubt_unit
+from roomkin.stages.extraction.floor import doubt_unit
 
 
 class CameraFacts(NamedTuple):

@@ -14,9 +14,9 @@ from roomkin.stages.contracts.files import read_json
 from roomkin.stages.contracts.generated import GeneratedScene
 from roomkin.stages.contracts.objects import Mounting, Wall
 from roomkin.stages.generation.placed import Placed
-from roomkin.stages.generation.scene_models import room_of
+from roomkin.stages.generation.scene_file import room_of
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import look_at
+from roomkin.stages.geometry.frames import look_at
 from roomkin.stages.tables import policies, scenes
 from tests.unit.demo_assets import cabinet
 from tests.unit.tables_results import VIEWER, declared, write_run

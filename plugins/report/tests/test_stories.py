@@ -15,8 +15,8 @@ from roomkin.stages.contracts.cousins import Candidate, CategoryMatch, Cousin, O
 from roomkin.stages.contracts.doubt import MEND, Doubt, DoubtKind
 from roomkin.stages.contracts.generated import GeneratedScene, PlacedObject
 from roomkin.stages.contracts.objects import Box, Mounting, Objects, SceneObject
-from roomkin.stages.geometry.cameras import intrinsics_from_fov, look_at
-from roomkin.stages.tables.markup import environment
+from roomkin.stages.geometry.frames import intrinsics_from_fov, look_at
+from roomkin.stages.tables.text import environment
 
 WIDTH, HEIGHT = 120, 90
 VIEW = Orientation(yaw=0.5, distance=1.0)

@@ -16,12 +16,11 @@ from PIL import Image
 
 from roomkin.plugins.report import report
 from roomkin.plugins.report.album import Album, SnapshotShards
-from roomkin.plugins.report.page import charts
+from roomkin.plugins.report.page import result
 from roomkin.plugins.report.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
-from roomkin.plugins.report.page.charts import line_chart
 from roomkin.plugins.report.page.files import RunFiles
 from roomkin.plugins.report.page.policies import losses
-from roomkin.plugins.report.page.result import sentences
+from roomkin.plugins.report.page.result import line_chart, sentences
 from roomkin.stages.config.model import Config
 from roomkin.stages.contracts.images import read_narrow
 from roomkin.stages.tables import policies, scenes
@@ -321,13 +320,13 @@ def test_pictures_are_made_smaller(tmp_path: Path) -> None:
 
 
 def test_bars_of_success_reach_from_the_low_end_to_the_high_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(charts, "_draw_figure", lambda figure, alt: figure)
+    monkeypatch.setattr(result, "_draw_figure", lambda figure, alt: figure)
     about = {"training_set": "twin", "successes": 12, "episodes": 20}
     rows = [
         {**about, "test_asset": "twin", "mean": 0.6, "low": 0.2, "high": 0.7},
         {**about, "test_asset": "dissimilar", "mean": 0.1, "low": 0.05, "high": 0.4},
     ]
-    figure: Any = charts.success_chart(pd.DataFrame(rows), "", {"twin": "twin", "dissimilar": "other"}, "test_asset")
+    figure: Any = result.success_chart(pd.DataFrame(rows), "", {"twin": "twin", "dissimilar": "other"}, "test_asset")
     (bars,) = figure.axes[0].containers[0].lines[2]
     ends = [(start[0], end[0]) for start, end in bars.get_segments()]
     assert np.ravel(ends) == pytest.approx([20, 70, 5, 40])

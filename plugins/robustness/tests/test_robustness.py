@@ -9,7 +9,7 @@ import pytest
 from roomkin.plugins.furniture.catalogue import sample
 from roomkin.plugins.furniture.folder import build
 from roomkin.plugins.robustness import leave_out
-from roomkin.plugins.robustness import rows as robustness
+from roomkin.plugins.robustness import table as robustness
 from roomkin.plugins.robustness.table import robustness_table, run
 from roomkin.stages.contracts import LeftOut, read_json, write_json
 from roomkin.stages.contracts.library_folder import write_part

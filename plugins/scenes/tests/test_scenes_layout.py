@@ -9,14 +9,22 @@ import pytest
 import yaml
 
 from roomkin.plugins.scenes.chance import EYE, are_all_seen, draw_room, frame, redraw_recipe
-from roomkin.plugins.scenes.config import ScenesConfig
 from roomkin.plugins.scenes.layout import CastRoom, arrange, cast, scale_of
-from roomkin.plugins.scenes.recipe import Against, Beside, Floor, Item, On, RoomPlan
-from roomkin.plugins.scenes.room_files import read_room, room_files, series
+from roomkin.plugins.scenes.recipe import (
+    Against,
+    Beside,
+    Floor,
+    Item,
+    On,
+    RoomPlan,
+    ScenesConfig,
+    read_room,
+    room_files,
+    series,
+)
 from roomkin.stages.contracts import InputError
 from roomkin.stages.geometry.boxes import UprightBox, corners, footprint
-from roomkin.stages.geometry.cameras import look_at, project
-from roomkin.stages.geometry.frames import invert_transform, transform_points
+from roomkin.stages.geometry.frames import invert_transform, look_at, project, transform_points
 from tests.refusals import refused
 from tests.unit.scene_models import default_models
 from tests.unit.synthetic_room import hit_box

@@ -10,12 +10,11 @@ import pytest
 from roomkin.plugins.furniture.library import run as make_library
 from roomkin.plugins.scenes.layout import cast
 from roomkin.plugins.scenes.photograph import furnish
+from roomkin.plugins.scenes.recipe import read_room, series
 from roomkin.plugins.scenes.render import run
-from roomkin.plugins.scenes.room_files import read_room, series
 from roomkin.stages.contracts import Annotations, Camera, InputError, Truth, read_json
 from roomkin.stages.contracts.library_folder import AssetFolders
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.frames import transform_points, yaw_matrix
+from roomkin.stages.geometry.frames import back_project, transform_points, yaw_matrix
 from roomkin.stages.simulation.loading import physics_scene
 from tests.refusals import refused
 from tests.unit.physics import add_ground, position_of

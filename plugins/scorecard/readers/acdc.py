@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from roomkin.plugins.scorecard.submission import RoomScene, SubmittedRoom
-from roomkin.stages.geometry.cameras import OPENGL
-from roomkin.stages.geometry.frames import make_transform, yaw_of_matrix
+from roomkin.plugins.scorecard.truth import RoomScene, SubmittedRoom
+from roomkin.stages.geometry.frames import OPENGL, make_transform, yaw_of_matrix
 
 
 def read(document: dict[str, Any]) -> RoomScene:

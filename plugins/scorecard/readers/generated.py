@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from roomkin.plugins.scorecard.submission import About, RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.truth import About, RoomScene, SubmittedRoom
 from roomkin.stages.contracts import GeneratedScene, Objects, read_json
 
 

@@ -10,10 +10,9 @@ import numpy as np
 import trimesh
 
 from roomkin.plugins.scorecard.readers.solid import describe_solid
-from roomkin.plugins.scorecard.submission import About, RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.truth import About, RoomScene, SubmittedRoom
 from roomkin.stages.contracts.errors import InputError
-from roomkin.stages.geometry.cameras import OPENGL
-from roomkin.stages.geometry.frames import Y_UP, invert_transform
+from roomkin.stages.geometry.frames import OPENGL, Y_UP, invert_transform
 
 CAMERAS = ("camera", "input_camera")
 ROOM = re.compile(r"(floor|ceiling|wall|ground)[\W_\d]*", re.IGNORECASE)

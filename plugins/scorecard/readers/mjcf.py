@@ -8,11 +8,10 @@ from xml.etree import ElementTree
 import trimesh
 
 from roomkin.plugins.scorecard.readers.solid import describe_solid
-from roomkin.plugins.scorecard.submission import About, RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.truth import About, RoomScene, SubmittedRoom
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_text
-from roomkin.stages.geometry.cameras import OPENGL
-from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.frames import OPENGL, make_transform
 
 CAMERAS = ("camera", "input_camera")
 FOLDERS = ("meshdir", "texturedir", "assetdir")

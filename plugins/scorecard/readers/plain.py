@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from roomkin.plugins.scorecard.submission import RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.truth import RoomScene, SubmittedRoom
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.geometry.frames import Y_UP, invert_transform, make_transform, yaw_matrix
 

@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from roomkin.plugins.scorecard import placing, reading, scoring, solids
+from roomkin.plugins.scorecard import placing, reading, scoring, standing
 from roomkin.plugins.scorecard.readers import mjcf, plain, solid
-from roomkin.plugins.scorecard.submission import Submission
 from roomkin.plugins.scorecard.tests.rooms import CABINET, HEAD, MUG, POSE, TABLE, TRUTH
-from roomkin.plugins.scorecard.truth import TrueThing
+from roomkin.plugins.scorecard.truth import Submission, TrueThing
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import OPENGL
-from roomkin.stages.geometry.frames import Y_UP, invert_transform, make_transform, yaw_matrix
+from roomkin.stages.geometry.frames import OPENGL, Y_UP, invert_transform, make_transform, yaw_matrix
 from tests.refusals import refused
 
 NAMES = {"dining table": "table", "cup": "mug", "cupboard": "cupboard"}
@@ -66,7 +64,7 @@ def test_a_glb_of_nodes(tmp_path: Path, upright: str, camera: bool) -> None:
     assert len(submission.rooms["toy_room_1"].room.things) == 3, "the floor is none"
     if camera:
         check(submission)
-        assert solids.fill_solid(submission.rooms["toy_room_1"].solids[0]).all()  # a box is filled
+        assert standing.fill_solid(submission.rooms["toy_room_1"].solids[0]).all()  # a box is filled
     else:
         placed = placing.place_room(submission.rooms["toy_room_1"].room, TRUTH, TRUTH.list_asked(drawn=False))
         assert {number: round(float(np.linalg.norm(placed.boxes[place].center - thing.position)), 3)
@@ -201,9 +199,9 @@ def test_a_thing_may_name_its_mesh(tmp_path: Path, kind: str) -> None:
     assert read.unread == {}
     solid = read.rooms["toy_room_1"].solids[0]
     assert solid.extents == pytest.approx([0.4, 0.4, 0.4]) and solid.bounds.sum() == pytest.approx(0)
-    filled = solids.fill_solid(solid)
+    filled = standing.fill_solid(solid)
     assert filled[0, 12, 20] and not filled[20, 12, 20] and filled[20, 12, 0]  # its back is behind, its seat below
-    hulls = np.concatenate(solids.cut_solid(solid, UprightBox((1, 1, 1), (0.8, 0.4, 0.4), 0.3)))
+    hulls = np.concatenate(standing.cut_solid(solid, UprightBox((1, 1, 1), (0.8, 0.4, 0.4), 0.3)))
     assert np.ptp(hulls, axis=0) == pytest.approx([0.8, 0.4, 0.4], abs=0.01)  # stretched into the box
 
 

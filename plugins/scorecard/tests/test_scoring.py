@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from roomkin.plugins.scorecard import card, carrying, measures, naming, pairing, placing, scoring, solids, standing
+from roomkin.plugins.scorecard import card, measures, placing, scoring, standing
 from roomkin.plugins.scorecard.scoring import ThingRow
-from roomkin.plugins.scorecard.submission import About, RoomScene, Submission, SubmittedRoom
 from roomkin.plugins.scorecard.tests.rooms import CABINET, HEAD, MUG, POSE, TABLE, TRUTH, room, say
-from roomkin.plugins.scorecard.truth import PictureTruth, TrueHandle
+from roomkin.plugins.scorecard.truth import About, PictureTruth, RoomScene, Submission, SubmittedRoom, TrueHandle
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import invert_transform, transform_points
 
@@ -149,28 +148,28 @@ def test_what_is_up_to_one_factor_is_scored_after_it(factor: float, numbered: bo
 
 def test_things_are_paired_by_number_or_by_place_and_never_by_name() -> None:
     boxes = [UprightBox((0, 0, 0), (1, 1, 1), 0), TABLE.box, UprightBox((2.0, 2.1, 0.85), (0.1, 0.1, 0.1), 0)]
-    assert pairing.pair_things([TABLE, MUG], boxes, [None, None, None]) == {1: 1, 2: 2}
-    assert pairing.pair_things([TABLE, MUG], boxes, [1, 2, None]) == {1: 0, 2: 1}
-    assert pairing.pair_things([TABLE, MUG], boxes, [None, 2, None]) == {
+    assert placing.pair_things([TABLE, MUG], boxes, [None, None, None]) == {1: 1, 2: 2}
+    assert placing.pair_things([TABLE, MUG], boxes, [1, 2, None]) == {1: 0, 2: 1}
+    assert placing.pair_things([TABLE, MUG], boxes, [None, 2, None]) == {
         2: 1
     }  # what is left near the table is too small
-    assert pairing.pair_things([TABLE], [], []) == {}
+    assert placing.pair_things([TABLE], [], []) == {}
 
 
 def test_two_near_things_are_paired_so_that_both_are_placed() -> None:
     left, right = (replace(MUG, number=n, position=(2.0 + 0.1 * n, 2.0, 0.85)) for n in (1, 2))
     boxes = [UprightBox((2.15, 2.0, 0.85), (0.1, 0.1, 0.1), 0), UprightBox((2.24, 2.0, 0.85), (0.1, 0.1, 0.1), 0)]
-    assert pairing.pair_things([left, right], boxes, [None, None]) == {1: 0, 2: 1}
+    assert placing.pair_things([left, right], boxes, [None, None]) == {1: 0, 2: 1}
 
 
 def test_a_thing_in_another_counts_unless_it_is_so_in_truth() -> None:
     under = replace(MUG, number=5, position=(2.0, 2.0, 0.4), size=(0.4, 0.4, 0.7), label="stool", kind="stool")
     boxes = [TABLE.box, under.box]
-    assert carrying.find_inside(boxes, {0: TABLE.box, 1: under.box})[1].tolist() == [False, False]
-    assert carrying.find_inside(boxes, {0: TABLE.box})[1].tolist() == [True, True]
+    assert standing.find_inside(boxes, {0: TABLE.box, 1: under.box})[1].tolist() == [False, False]
+    assert standing.find_inside(boxes, {0: TABLE.box})[1].tolist() == [True, True]
     apart = UprightBox((3.0, 3.5, 0.4), (0.4, 0.4, 0.8), 0.5)
-    assert carrying.find_inside([TABLE.box, apart], {})[1].tolist() == [False, False]
-    assert carrying.measure_overlap(UprightBox((0, 0, 0), (1, 1, 1), 0), UprightBox((0.9, 0, 0), (1, 1, 1), 0)) == (
+    assert standing.find_inside([TABLE.box, apart], {})[1].tolist() == [False, False]
+    assert standing.measure_overlap(UprightBox((0, 0, 0), (1, 1, 1), 0), UprightBox((0.9, 0, 0), (1, 1, 1), 0)) == (
         pytest.approx(0.1)
     )
 
@@ -195,7 +194,7 @@ def test_pieces_that_miss_an_end_or_have_no_thickness_are_none(monkeypatch: pyte
     def cut(*extents: tuple[float, float, float]) -> int:
         pieces = [{"vertices": trimesh.creation.box(each).vertices} for each in extents]
         monkeypatch.setattr(trimesh.decomposition, "convex_decomposition", lambda *_, **__: pieces)
-        return len(solids.cut_solid(trimesh.creation.box((1, 1, 1)), UprightBox((0, 0, 0), (1, 1, 1), 0.0)))
+        return len(standing.cut_solid(trimesh.creation.box((1, 1, 1)), UprightBox((0, 0, 0), (1, 1, 1), 0.0)))
 
     assert cut((1, 1, 1), (1, 1, 0)) == 1
     assert cut((1, 1, 0.97), (1, 1, 0.5)) == 2 and cut((1, 1, 0.9), (1, 1, 0.5)) == 0
@@ -208,8 +207,8 @@ def test_a_thing_that_leans_over_an_edge_tips() -> None:
 
 @pytest.mark.parametrize("name", ["Dining_Table", "kitchen table 2", "KitchenTable", "desk", "table_1"])
 def test_names_are_compared_by_their_words(name: str) -> None:
-    assert naming.is_sensible(name, "table")
-    assert not naming.is_sensible(name, "sofa") and not naming.is_sensible("", "table")
+    assert measures.is_sensible(name, "table")
+    assert not measures.is_sensible(name, "sofa") and not measures.is_sensible("", "table")
 
 
 def test_shapes_are_compared_cell_by_cell() -> None:

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from roomkin.plugins.studies.associations import ShownAssets, _correlation, associations_table, build, traits
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts.policies import TaskAsset
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets
 

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from roomkin.plugins.studies import conditions
-from roomkin.stages.config.tables import TablesConfig
+from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts.files import read_rows
 from roomkin.stages.contracts.policies import Rollout
 from roomkin.stages.evaluation.states import write_rows

@@ -3,7 +3,7 @@
 import pytest
 
 from roomkin.plugins.studies.study import FOLDED, fold_table, split_totals
-from roomkin.stages.tables.markup import TextTable, markdown
+from roomkin.stages.tables.text import TextTable, markdown
 
 
 def table(rows: int, notes: list[str]) -> TextTable:

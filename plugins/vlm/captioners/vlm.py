@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from roomkin.plugins.vlm.ask import Asker, NoAnswerError
-from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.package import VlmConfig
 from roomkin.plugins.vlm.prompt import Prompt, draw_box
 from roomkin.stages.contracts.errors import InputError, escape_control
 from roomkin.stages.perception.write import draw_numbers
@@ -71,7 +71,7 @@ class MountingAnswer(BaseModel):
 
 
 class Captioner:
-    """A language model that says what is in a picture; see `roomkin.stages.perception.captions`."""
+    """A language model that says what is in a picture; see `roomkin.stages.perception.see`."""
 
     def __init__(self, options: Mapping[str, Any]) -> None:
         """`options`: the config section `vlm`."""

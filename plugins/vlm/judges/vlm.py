@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, create_model
 
 from roomkin.plugins.vlm.ask import Asker, NoAnswerError
-from roomkin.plugins.vlm.config import VlmConfig
+from roomkin.plugins.vlm.package import VlmConfig
 from roomkin.plugins.vlm.prompt import Prompt, draw_box
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import NO_MODEL, Candidate, Orientation
 from roomkin.stages.geometry.frames import wrap_angle
 from roomkin.stages.geometry.masks import darken_rest, pixel_bounds
-from roomkin.stages.matching.question import AbstainedError, Question
-from roomkin.stages.matching.question import Judge as JudgeOf
+from roomkin.stages.matching.snapshots import AbstainedError, Question
+from roomkin.stages.matching.snapshots import Judge as JudgeOf
 from roomkin.stages.plugins import load
 
 NONE = "none"

@@ -12,8 +12,8 @@ from openai._base_client import SyncAPIClient
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from roomkin.plugins.vlm.ask import Asker, NoAnswerError
-from roomkin.plugins.vlm.config import VlmConfig
-from roomkin.plugins.vlm.ledger import Ledger
+from roomkin.plugins.vlm.endpoint import Ledger
+from roomkin.plugins.vlm.package import VlmConfig
 from roomkin.plugins.vlm.prompt import Prompt, data_url
 from roomkin.plugins.vlm.tests.chat_server import (
     KEY,

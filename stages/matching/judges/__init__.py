@@ -6,8 +6,7 @@ from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.objects import SceneObject
 from roomkin.stages.geometry.masks import ObjectView
-from roomkin.stages.matching.question import AbstainedError, Judge, Question
-from roomkin.stages.matching.snapshots import Snapshots
+from roomkin.stages.matching.snapshots import AbstainedError, Judge, Question, Snapshots
 from roomkin.stages.plugins import load
 
 __all__ = ["AbstainedError", "Judge", "Judges", "Question"]

@@ -2,7 +2,7 @@
 
 from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.contracts.cousins import Candidate, Orientation
-from roomkin.stages.matching.question import Question
+from roomkin.stages.matching.snapshots import Question
 
 
 class Judge:

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.frames import back_project, transform_points
 from roomkin.stages.geometry.levels import find_ground
 from roomkin.stages.geometry.room_planes import (
     CELLS,

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from torch import nn
 
 from roomkin.stages.contracts import InputError
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.frames import back_project, transform_points
 from roomkin.stages.geometry.masks import GREY, pixel_bounds
 from roomkin.stages.perception.classification.clip import EMBEDDED, embed, load_tower, show
 from roomkin.stages.perception.classification.efficientnet import (

@@ -10,7 +10,7 @@ from roomkin.stages.config.recordings import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.errors import suggest_nearest
 from roomkin.stages.contracts.types import check_view
-from roomkin.stages.geometry.cameras import make_intrinsics, scale_intrinsics
+from roomkin.stages.geometry.frames import make_intrinsics, scale_intrinsics
 from roomkin.stages.perception.read.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, find_first, matrix_of
 from roomkin.stages.perception.read.frame import is_stretched
 

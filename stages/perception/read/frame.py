@@ -20,7 +20,7 @@ from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.errors import plain_letters
 from roomkin.stages.contracts.images import orientation_of
-from roomkin.stages.geometry.cameras import scale_intrinsics
+from roomkin.stages.geometry.frames import scale_intrinsics
 from roomkin.stages.perception.classification.names import LikelyName
 
 TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import InputError
-from roomkin.stages.geometry.cameras import make_intrinsics
+from roomkin.stages.geometry.frames import make_intrinsics
 from roomkin.stages.perception.read.camera_files import contents, find_first, has_camera, simplify_name
 from roomkin.stages.perception.read.cameras import Matrix, find_intrinsics
 from roomkin.stages.perception.read.frame import Frame

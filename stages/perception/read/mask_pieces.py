@@ -10,7 +10,7 @@ from scipy.ndimage import binary_opening, correlate1d, distance_transform_edt, f
 from scipy.sparse.csgraph import connected_components
 
 from roomkin.stages.contracts.doubt import DoubtKind
-from roomkin.stages.geometry.cameras import PointMap
+from roomkin.stages.geometry.frames import PointMap
 from roomkin.stages.geometry.room_planes import STRAY, fit_plane, scale_threshold
 from roomkin.stages.perception.read.frame import Frame, surface_of
 

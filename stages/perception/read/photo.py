@@ -17,7 +17,7 @@ from roomkin.stages.contracts.errors import InputError, explain
 from roomkin.stages.contracts.files import check_file
 from roomkin.stages.contracts.hand import digest_of_image
 from roomkin.stages.contracts.images import check_shown, open_picture, read_rgb, to_srgb
-from roomkin.stages.geometry.cameras import scale_intrinsics
+from roomkin.stages.geometry.frames import scale_intrinsics
 from roomkin.stages.perception.read.frame import LONGEST_SIDE, is_stretched
 from roomkin.stages.perception.read.lens import CALIBRATION, read_lens, straighten_picture
 

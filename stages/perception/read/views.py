@@ -12,8 +12,8 @@ from roomkin.stages.config.recordings import COLOR, is_tum, list_folders, list_f
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.hand import digest_of_image
 from roomkin.stages.contracts.images import DOWN, TURN, check_shown, check_turned, read_rgb
-from roomkin.stages.geometry.cameras import back_project, make_intrinsics, scale_intrinsics
 from roomkin.stages.geometry.depth_forms import along_axis, find_flatter
+from roomkin.stages.geometry.frames import back_project, make_intrinsics, scale_intrinsics
 from roomkin.stages.geometry.room_planes import fit_floor
 from roomkin.stages.perception.read.camera_files import KNOWS
 from roomkin.stages.perception.read.cameras import check_intrinsics, intrinsics_of_camera, intrinsics_of_view

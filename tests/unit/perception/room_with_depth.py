@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roomkin.stages.geometry.cameras import make_intrinsics
+from roomkin.stages.geometry.frames import make_intrinsics
 from roomkin.stages.perception.camera.surfaces import find_surfaces
 from roomkin.stages.perception.segmentation.proposal import Array, Mask, Proposal, RoomView
 

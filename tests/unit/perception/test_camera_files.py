@@ -9,7 +9,7 @@ import yaml
 from numpy.typing import NDArray
 
 from roomkin.stages.contracts import Camera
-from roomkin.stages.geometry.cameras import scale_intrinsics
+from roomkin.stages.geometry.frames import scale_intrinsics
 from roomkin.stages.perception.read.camera_files import contents
 from roomkin.stages.perception.read.cameras import intrinsics_of_camera
 from roomkin.stages.perception.read.lens import find_distortion, read_lens

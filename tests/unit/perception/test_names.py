@@ -10,8 +10,7 @@ from roomkin.plugins.furniture.catalogue import CATEGORIES
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.cameras import back_project
-from roomkin.stages.geometry.frames import transform_points
+from roomkin.stages.geometry.frames import back_project, transform_points
 from roomkin.stages.perception.classification import propose as observed
 from roomkin.stages.perception.classification.names import (
     NO_KIND,

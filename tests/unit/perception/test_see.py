@@ -18,11 +18,11 @@ from roomkin.stages.contracts import Camera, read_json, write_json
 from roomkin.stages.contracts.scene_input import read_scene_input, write_scene_input
 from roomkin.stages.contracts.things import Things, read_things
 from roomkin.stages.perception import from_rgbd, see
-from roomkin.stages.perception.captions import caption_things
 from roomkin.stages.perception.classification import naming
 from roomkin.stages.perception.classification.names import NO_KIND, NO_NAME, LikelyName, Names, find_reason
 from roomkin.stages.perception.classification.naming import name_things
 from roomkin.stages.perception.read.frame import Frame
+from roomkin.stages.perception.see import caption_things
 from roomkin.stages.perception.segmentation.choosing import Outlined
 from roomkin.stages.perception.segmentation.proposal import Mask, RoomView
 from tests.unit.perception.room_with_depth import ON_TABLE, TABLE, see_room

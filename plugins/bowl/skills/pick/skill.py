@@ -7,8 +7,7 @@ import trimesh
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from roomkin.plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
-from roomkin.plugins.bowl.region import Movable
+from roomkin.plugins.bowl.carry import CANDIDATES, CarrySkill, Movable, make_held_spheres, shift_pose
 from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points
 from roomkin.stages.planning.articulation import HALF_PAD
 from roomkin.stages.planning.clearance import CLEARANCE, gripper_spheres, join_lines, make_line

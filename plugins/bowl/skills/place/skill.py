@@ -5,8 +5,7 @@ import itertools
 import numpy as np
 import trimesh
 
-from roomkin.plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
-from roomkin.plugins.bowl.region import Region
+from roomkin.plugins.bowl.carry import CANDIDATES, CarrySkill, Region, make_held_spheres, shift_pose
 from roomkin.stages.geometry.frames import invert_transform, make_transform, transform_points, yaw_matrix
 from roomkin.stages.planning.clearance import ANGLE_WEIGHT, CLEARANCE, join_lines, make_line
 from roomkin.stages.planning.rollout import ON_THE_WAY, Stretch

@@ -14,7 +14,7 @@ import trimesh
 from mani_skill.utils.structs import Actor
 from numpy.typing import NDArray
 
-from roomkin.plugins.bowl.region import Movable, Region, find_level_region, measure_headroom
+from roomkin.plugins.bowl.carry import Movable, Region, find_level_region, measure_headroom
 from roomkin.stages.articulated.asset_folder import Description, read_model, write_asset
 from roomkin.stages.articulated.model import RGBA, Link, RobotModel, Visual
 from roomkin.stages.contracts.errors import InputError
