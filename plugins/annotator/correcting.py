@@ -236,11 +236,7 @@ class Correcting(Clicked):
             box, held = item.around or find_corners(mask), item.mounting
             wall = self._walls.get(held.walls[0]) if isinstance(held, Held) and held.type == 1 else None
             moved, at = self._moved.get(item.mask, STILL), (wall, box) if wall and box else None
-            regions[item.id] = {
-                "box": box,
-                "outlines": outline_mask(mask),
-                "faces": self.made.faces(item, moved, at),
-            }
+            regions[item.id] = {"box": box, "outlines": outline_mask(mask), "faces": self.made.faces(item, moved, at)}
         return {
             "regions": regions,
             "notes": {item.id: losses[item.mask] for item in drawing.objects if item.mask in losses},

@@ -13,12 +13,7 @@ import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from transformers import (
-    AutoTokenizer,
-    DepthAnythingForDepthEstimation,
-    GroundingDinoForObjectDetection,
-    Sam2Model,
-)
+from transformers import AutoTokenizer, DepthAnythingForDepthEstimation, GroundingDinoForObjectDetection, Sam2Model
 
 from roomkin.plugins.pretrained.weights import load_pretrained
 from roomkin.stages.config.perception import MeasureOptions, OutlineSection

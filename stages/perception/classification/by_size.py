@@ -15,15 +15,7 @@ from roomkin.stages.perception.classification.naming import FLAT_CATEGORIES
 from roomkin.stages.perception.classification.propose import read_coco
 from roomkin.stages.perception.layout import things as kinds
 from roomkin.stages.perception.layout.ends import FLOOR as ON_FLOOR
-from roomkin.stages.perception.layout.ends import (
-    LEGGED,
-    Ends,
-    Kind,
-    Mask,
-    find_beneath,
-    list_alone,
-    usual_of,
-)
+from roomkin.stages.perception.layout.ends import LEGGED, Ends, Kind, Mask, find_beneath, list_alone, usual_of
 from roomkin.stages.perception.layout.fit import FitItem, choose_modes
 from roomkin.stages.perception.layout.room import Arrangement, FittedRoom
 from roomkin.stages.perception.layout.things import OutlineCandidate
