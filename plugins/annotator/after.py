@@ -19,12 +19,7 @@ def run(image: Path, /) -> None:
     """
     if image.is_dir() or not sys.stdout.isatty():
         return
-    if has_browser():
+    if any(map(os.environ.get, ("BROWSER", "DISPLAY", "WAYLAND_DISPLAY"))):
         correct(image)
     else:
         print(f"No browser here. To put it right in one elsewhere: roomkin correct {shlex.quote(str(image))}")
-
-
-def has_browser() -> bool:
-    """Whether a browser with windows can be opened here."""
-    return bool(os.environ.get("BROWSER") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

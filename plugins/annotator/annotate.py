@@ -14,7 +14,7 @@ from roomkin.plugins.annotator.session import Session
 from roomkin.stages.config.inputs import describe_missing, scene_of_folder
 from roomkin.stages.contracts import Camera, InputError, Library, read_json
 from roomkin.stages.contracts.categories import known_categories
-from roomkin.stages.contracts.errors import suggest_nearest
+from roomkin.stages.contracts.errors import count, suggest_nearest
 from roomkin.stages.contracts.hand import CORRECTIONS, PROJECT, is_drawn
 from roomkin.stages.contracts.images import orientation_of, read_depth
 from roomkin.stages.perception.drawing.write import at_size
@@ -84,9 +84,8 @@ def run(
     try:
         server = PageServer(session, port, other)
     except OSError as error:
-        raise InputError(
-            f"--port {port}", f"cannot be used ({error.strerror}).", "leave it out", code="E-PORT-TAKEN"
-        ) from None
+        what = f"cannot be used ({error.strerror})."
+        raise InputError(f"--port {port}", what, "leave it out", code="E-PORT-TAKEN") from None
     path = session.kept.path
     if (taken := path.with_name(PROJECT if isinstance(session, Session) else CORRECTIONS)) != path:
         print(f"{taken}: is of another picture: kept, not opened")
@@ -110,18 +109,16 @@ def run(
         return
     written = folder / "annotations.json"
     if written.is_file():
-        count = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
-        many = "1 object" if count == 1 else f"{count} objects"
-        print(f"{folder}: an input folder with {many}; {folder / 'config.yaml'} names it as a scene")
+        many = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
+        print(f"{folder}: an input folder with {count(many, 'object')}; {folder / 'config.yaml'} names it as a scene")
 
 
 def _check_named(session: Correcting, results: Path, scene: str | None, choose: str | None) -> None:
     """Refuse a scene that the last run did not make, and an object that is not in the picture."""
     runs = sorted(path.parent.name for path in (results / "extraction").glob("*/objects.json"))
     if scene is not None and runs and scene not in runs:
-        raise InputError(
-            "--scene", f"{results} has no scene '{scene}'.", suggest_nearest(scene, runs), code="E-OBJECT-MISSING"
-        )
+        fix = suggest_nearest(scene, runs)
+        raise InputError("--scene", f"{results} has no scene '{scene}'.", fix, code="E-OBJECT-MISSING")
     names = [
         *(item.id for item in session.made.items.values()),
         *(thing.id for thing in session.open_drawing().objects),

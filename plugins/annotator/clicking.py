@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter
 
+from roomkin.plugins.annotator.described import jpeg
 from roomkin.stages.config.weights import list_lacking
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.files import Contract
@@ -171,14 +172,24 @@ class Clicker:
 
 
 class Clicked:
-    """What both pages answer to clicks; without weights there is no `clicker`, and the page does not ask."""
+    """What both pages answer; without weights there is no `clicker`, and the page does not ask for outlines."""
 
     clicker: Clicker | None = None
+    finished = False
 
     @property
     def rgb(self) -> NDArray[np.uint8]:
         """The picture (H, W, 3)."""
         raise NotImplementedError
+
+    def picture(self) -> bytes:
+        """The picture as JPEG."""
+        return jpeg(self.rgb)
+
+    def close(self, _: Any) -> dict[str, Any]:
+        """The page is done with."""
+        self.finished = True
+        return {}
 
     @property
     def room(self) -> RoomView | None:

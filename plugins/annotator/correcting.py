@@ -65,18 +65,9 @@ class Correcting(Clicked):
     scene: str = ""
     variant: str | None = None
     chosen: str | None = None
-    finished: bool = False
-    page: str = "correct.html"
-    posts: ClassVar[tuple[str, ...]] = (
-        "solve",
-        "save",
-        "models",
-        "front",
-        "outline",
-        "names",
-        "write",
-        "close",
-    )  # what the page may ask for
+    page: ClassVar[str] = "correct.html"
+    # What the page may ask for.
+    posts: ClassVar[tuple[str, ...]] = ("solve", "save", "models", "front", "outline", "names", "write", "close")
 
     def __post_init__(self) -> None:
         self.given = read_bare(self.folder) if is_bare(self.folder) else read_scene_input(self.folder)
@@ -113,12 +104,8 @@ class Correcting(Clicked):
         ids = dict(zip(self.found, object_ids(item.label or "" for item in self.found.values()), strict=True))
         found = set(np.unique(self.given.masks).tolist())
         shown = {mask: item for mask, item in things.items() if mask in found or item.is_drawn}
-        return ShownPicture(
-            objects=[
-                ShownThing(id=ids.get(mask, name_drawn(mask)), **item.model_dump()) for mask, item in shown.items()
-            ],
-            unmatched=unmatched,
-        )
+        things_shown = [ShownThing(id=ids.get(k, name_drawn(k)), **item.model_dump()) for k, item in shown.items()]
+        return ShownPicture(objects=things_shown, unmatched=unmatched)
 
     def corrections(self, drawing: ShownPicture) -> Corrections:
         """The differences between a drawing and what was found."""
@@ -153,7 +140,7 @@ class Correcting(Clicked):
             "project": about | drawing.model_dump(mode="json"),
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.kept.path),
-            "made": doubts | self.made.describe_things(cure),
+            "made": doubts | {str(mask): self.made.describe(item, cure) for mask, item in self.made.items.items()},
             "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in known else None),
             "offers": self._offer_things(),
@@ -204,10 +191,6 @@ class Correcting(Clicked):
         config = config if is_clone() else config.resolve()
         return to_run(f"--cores 2 --configfile {config} -- pages" if config.is_file() else f"--cores 2 {page}")
 
-    def picture(self) -> bytes:
-        """The picture as JPEG."""
-        return jpeg(self.given.rgb)
-
     def find_last_picture(self) -> Path | None:
         """The scene of rank 1, as the last run made it."""
         return self.made.picture
@@ -215,10 +198,8 @@ class Correcting(Clicked):
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""
         drawing = self.open_drawing()
-        masks = self._paint_drawing(drawing).masks
-        return jpeg(
-            tint_picture(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM])
-        )
+        things = [item.mask for item in drawing.objects if item.label not in ROOM]
+        return jpeg(tint_picture(self.given.rgb, self._paint_drawing(drawing).masks, things))
 
     def _paint_drawing(self, drawing: ShownPicture) -> CorrectedMasks:
         return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
@@ -277,9 +258,8 @@ class Correcting(Clicked):
         corrections = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
         annotations, masks, notes = correct_masks(self.given.annotations, self.given.masks, corrections, self._cut)
         if annotations is None:
-            raise InputError(
-                str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"
-            )
+            what, mend = "no object is left.", "draw a box around at least one"
+            raise InputError(str(self.folder), what, mend, code="E-SCENE-EMPTY")
         if is_bare(self.folder):
             with self.kept.lock:
                 latest = self.open_drawing()  # more may have been saved by now
@@ -290,8 +270,3 @@ class Correcting(Clicked):
         ordered = sorted(annotations.objects, key=lambda item: item.mask)
         ids = object_ids(item.label for item in ordered)
         return {"ids": ids, "notes": notes, "command": self.command(), "folder": str(self.folder)}
-
-    def close(self, _: Any) -> Answer:
-        """The page is done with."""
-        self.finished = True
-        return {}

@@ -16,9 +16,8 @@ from roomkin.stages.geometry.masks import look_below
 
 NEAR = 0.02  # share of the picture's height within which something lies just below a thing; chosen
 APART = 0.3  # metres: a mask whose points lie farther from every wall of the run shows another one; chosen
-Cure = dict[
-    str, Any
-]  # text: of a button; of: the mask value whose name follows; set: what it corrects; model: that it rests on
+# text: of a button; of: the mask value whose name follows; set: what it corrects; model: that it rests on
+Cure = dict[str, Any]
 
 
 def find_beneath(masks: NDArray[np.uint16], value: int) -> int | None:

@@ -11,6 +11,7 @@ from roomkin.stages.geometry.boxes import FACES, UprightBox, corners
 from roomkin.stages.perception.camera.metrology import PinholeView, UprightPlane
 from roomkin.stages.perception.camera.perspective import find_weak_lines, horizon, vanishing_point
 from roomkin.stages.perception.drawing.project import Project
+from roomkin.stages.perception.drawing.room import area_of
 from roomkin.stages.perception.drawing.solve import Solved
 
 LONGEST = 400  # pixels of its longer side
@@ -28,7 +29,7 @@ def rectify_front(rgb: NDArray[np.uint8], pixels: NDArray[np.float64], width: fl
     longest = max(width, height)
     size = [max(1, round(LONGEST * side / longest)) for side in (width, height)]
     answer: dict[str, Any] = {"width": size[0], "height": size[1], "picture": None}
-    if not faces_camera(pixels):
+    if area_of(pixels) <= 1.0:
         return answer
     right, low = size[0] - 0.5, size[1] - 0.5
     target = np.array([(-0.5, low), (right, low), (right, -0.5), (-0.5, -0.5)], np.float32)
@@ -42,14 +43,6 @@ def jpeg(rgb: NDArray[np.uint8]) -> bytes:
     done, data = cv2.imencode(".jpg", rgb[..., ::-1])
     assert done
     return data.tobytes()
-
-
-def faces_camera(pixels: NDArray[np.float64]) -> bool:
-    """Whether a front with these corners (4, 2) faces the camera: their order in the picture tells."""
-    if not np.isfinite(pixels).all():
-        return False
-    (ax, ay), (bx, by) = pixels[2] - pixels[0], pixels[3] - pixels[1]
-    return bool(ax * by - ay * bx < -1.0)  # twice the area, square pixels; y points down
 
 
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes

@@ -53,11 +53,8 @@ class LastRun:
     sizes: dict[str, list[float]] = field(default_factory=dict)
     views: dict[int, dict[str, float]] = field(default_factory=dict)
 
-    def describe_things(self, cure: Callable[[Doubt, int], list[Cure]]) -> dict[str, Any]:
-        """What the page shows of every thing, by mask value; `cure`: what helps against a doubt about one."""
-        return {str(mask): self._describe_object(item, cure) for mask, item in self.items.items()}
-
-    def _describe_object(self, item: SceneObject, cure: Callable[[Doubt, int], list[Cure]]) -> dict[str, Any]:
+    def describe(self, item: SceneObject, cure: Callable[[Doubt, int], list[Cure]]) -> dict[str, Any]:
+        """What the page shows of a thing; `cure`: what helps against a doubt about one of a mask value."""
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
         found: Sequence[Doubt | str] = []
         if item.status == "failed":
@@ -109,10 +106,8 @@ class LastRun:
             size = np.array([depth, width, height])
         center[:2] += np.subtract(correction.nudge or (0.0, 0.0), before)
         points = corners(UprightBox(center, size, box.yaw if correction.front is None else correction.front))
-        pixels = project(
-            transform_points(invert_transform(np.array(self.objects.floor_from_camera)), points),
-            self.objects.intrinsics,
-        )
+        camera_from_floor = invert_transform(np.array(self.objects.floor_from_camera))
+        pixels = project(transform_points(camera_from_floor, points), self.objects.intrinsics)
         if not np.isfinite(pixels).all():
             return []
         return [np.round(pixels[face], 1).tolist() for face in map(list, (*FACES[1:], FACES[0]))]
@@ -131,9 +126,8 @@ class LastRun:
             box, facing = UprightBox(placed.position, placed.size, placed.yaw), placed.yaw
         else:
             box = UprightBox(item.box.center, item.box.size, item.box.yaw)
-            facing = (
-                float(np.arctan2(*(camera[:2, 3] - item.box.center[:2])[::-1])) if item.front is None else item.front
-            )
+            towards = float(np.arctan2(*(camera[:2, 3] - item.box.center[:2])[::-1]))
+            facing = towards if item.front is None else item.front
         points = front_corners(box, facing if stated is None else stated)
         return project(transform_points(invert_transform(camera), points), self.objects.intrinsics), *extents(points)
 

@@ -21,19 +21,15 @@ from roomkin.stages.contracts.errors import InputError, explain, first_error
 from roomkin.stages.contracts.system import line_of
 
 HERE = Path(__file__).resolve().parent
-SCRIPTS = tuple(sorted(path.name for path in HERE.glob("*.js")))
-PAGES = {
-    "page.css": ("page.css", "text/css; charset=utf-8"),
-    **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
-}
+PAGES = {"page.css": "text/css; charset=utf-8"}
+PAGES |= {path.name: "text/javascript; charset=utf-8" for path in HERE.glob("*.js")}
 Page = Session | Correcting
 OF_SERVER = {"make", "stop", "turn"}
 NEWEST = {"save", "write", "close", *OF_SERVER}  # what only the newest page may ask for
 OPENED_AGAIN = "this drawing was opened again in another tab: go on there, or reload this one"
 MAX_REQUEST = 2_000_000  # bytes of a request: no drawing comes near
-POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; base-uri 'none'"
-)
+POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+POLICY += "connect-src 'self'; base-uri 'none'"
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -87,8 +83,7 @@ class Handler(BaseHTTPRequestHandler):
             if name == "":
                 self._reply(200, "text/html; charset=utf-8", (HERE / session.page).read_bytes())
             elif name is not None and name in PAGES:
-                file, kind = PAGES[name]
-                self._reply(200, kind, (HERE / file).read_bytes())
+                self._reply(200, PAGES[name], (HERE / name).read_bytes())
             elif name == "picture.jpg":
                 self._reply(200, "image/jpeg", session.picture())
             elif name == "made.png" and (made := session.find_last_picture()):

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
@@ -44,25 +43,13 @@ class Session(Clicked):
     folder: Path
     categories: list[str] = field(default_factory=list)
     depth: NDArray[np.float32] | None = None
-    finished: bool = False
-    page: str = "page.html"
-    posts: ClassVar[tuple[str, ...]] = (
-        "solve",
-        "save",
-        "support",
-        "front",
-        "outline",
-        "names",
-        "place",
-        "write",
-        "close",
-    )  # what the page may ask for
+    page: ClassVar[str] = "page.html"
+    # What the page may ask for.
+    posts: ClassVar = ("solve", "save", "support", "front", "outline", "names", "place", "write", "close")
 
     def __post_init__(self) -> None:
         height, width = self.photo.rgb.shape[:2]
-        grey = cv2.cvtColor(self.photo.rgb, cv2.COLOR_RGB2GRAY)
-        prior = usual_focal(width, height, self.photo.focal)
-        self._proposed = propose(np.asarray(grey, dtype=np.uint8), prior)
+        self._proposed = propose(self.photo.rgb, usual_focal(width, height, self.photo.focal))
         self.kept = Kept(find_hand_file(self.folder, PROJECT, lambda: self.photo.digest))
         check_folder(self.folder, self.photo.digest)
 
@@ -119,10 +106,6 @@ class Session(Clicked):
             "pictured": self.find_last_picture() is not None,
         }
 
-    def picture(self) -> bytes:
-        """The picture as JPEG."""
-        return jpeg(self.photo.rgb)
-
     def preview(self) -> bytes:
         """The saved drawing's masks over the picture, as JPEG."""
         project, solved = finish_drawing(self.open_drawing(), self.depth)
@@ -132,9 +115,12 @@ class Session(Clicked):
     def _project(self, body: Any) -> Project:
         return self._check(Project.model_validate(body), "drawing", "reload the page")
 
+    def _finish(self, body: Any) -> tuple[Project, Solved]:
+        return finish_drawing(self._project(body), self.depth)
+
     def solve(self, body: Any) -> Answer:
         """Where everything is, in metres and in pixels."""
-        project, solved = finish_drawing(self._project(body), self.depth)
+        project, solved = self._finish(body)
         hidden = find_hidden(project, solved)
         asked = [(name, UNSEEN) for name in hidden] + [(name, UNCOUNTED) for name in find_uncounted(project)]
         for name, what in asked:
@@ -149,15 +135,12 @@ class Session(Clicked):
 
     def support(self, body: Any) -> Answer:
         """What is at a pixel that something could stand or hang on."""
-        project = self._project(body["project"])
-        solved = finish_drawing(project, self.depth)[1]
         pixel = TypeAdapter(Pixel).validate_python(body["pixel"])
-        return {"on": support_at(project, solved, pixel, bool(body.get("stands")))}
+        return {"on": support_at(self._finish(body["project"])[1], pixel, bool(body.get("stands")))}
 
     def place(self, body: Any) -> Answer:
         """What an outlined thing stands or hangs on, and the marks of the box that it would be in."""
-        project = self._project(body["project"])
-        solved = finish_drawing(project, self.depth)[1]
+        project, solved = self._finish(body["project"])
         on, points = propose_box(project, solved, OUTLINES.validate_python(body["outlines"]), body["on"], body["label"])
         return {"on": on, "points": points}
 
@@ -172,19 +155,17 @@ class Session(Clicked):
 
     def front(self, body: Any) -> Answer:
         """The real front of an object seen straight on."""
-        project = self._project(body["project"])
-        solved = finish_drawing(project, self.depth)[1]
+        project, solved = self._finish(body["project"])
         item = {one.id: one for one in project.objects}[body["id"]]
         if (box := solved.boxes.get(item.id)) is None:
-            raise InputError(
-                item.label or item.id, "has no place yet.", "mark its front first", code="E-OBJECT-UNPLACED"
-            )
+            what, mend = "has no place yet.", "mark its front first"
+            raise InputError(item.label or item.id, what, mend, code="E-OBJECT-UNPLACED")
         points = front_corners(box, box.yaw + side_angle(item.faces))
         return rectify_front(self.photo.rgb, solved.view.project(points), *extents(points))
 
     def write(self, body: Any) -> Answer:
         """Write the input folder of a drawing that was saved."""
-        project, solved = finish_drawing(self._project(body), self.depth)
+        project, solved = self._finish(body)
         written = write_folder(self.folder, self.photo.rgb, project, solved, self.depth)
         uncounted = [f"{written.ids[name]}: {UNCOUNTED}" for name in find_uncounted(project) if name in written.ids]
         notes = [*written.notes, *uncounted]
@@ -199,11 +180,6 @@ class Session(Clicked):
         """The scene of rank 1, as it was made of the folder."""
         return find_picture(Path("results/generation"), scene_of_folder(self.folder))
 
-    def close(self, _: Any) -> Answer:
-        """The page is done with."""
-        self.finished = True
-        return {}
-
 
 def find_uncounted(project: Project) -> list[str]:
     """Ids of what opens by nobody knows how many doors and drawers."""
@@ -217,7 +193,7 @@ def find_carriers(project: Project, solved: Solved, doubted: Collection[str]) ->
         if item.id in doubted and item.on not in solved.walls:
             others = replace(solved, boxes={name: box for name, box in solved.boxes.items() if name != item.id})
             (ax, ay), (bx, by) = item.points[:2]
-            on = support_at(project, others, ((ax + bx) / 2, (ay + by) / 2))
+            on = support_at(others, ((ax + bx) / 2, (ay + by) / 2))
             if on in solved.boxes and on != item.on:
                 found[item.id] = on
     return found

@@ -1,4 +1,4 @@
-"""The pretrained networks, through `transformers`: boxes by labels, masks by boxes, depth.
+"""The pretrained networks, through `transformers`: boxes by labels, masks by boxes.
 
 Each function loads its network and frees it, so that only one is in memory at a time. Pictures are prepared
 here as the networks' own preprocessors do it, which need torchvision.
@@ -13,12 +13,11 @@ import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from transformers import AutoTokenizer, DepthAnythingForDepthEstimation, GroundingDinoForObjectDetection, Sam2Model
+from transformers import AutoTokenizer, GroundingDinoForObjectDetection, Sam2Model
 
 from roomkin.plugins.pretrained.weights import load_pretrained
-from roomkin.stages.config.perception import MeasureOptions, OutlineSection
+from roomkin.stages.config.perception import OutlineSection
 from roomkin.stages.contracts import InputError
-from roomkin.stages.contracts.images import NEAREST, SKY
 
 Picture = NDArray[np.uint8]
 IMAGENET = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
@@ -34,7 +33,7 @@ class Detection(NamedTuple):
 
 
 @contextmanager
-def _free_memory_after(device: str) -> Iterator[None]:
+def free_memory_after(device: str) -> Iterator[None]:
     """Inference; memory of what was loaded inside is freed after it."""
     with torch.inference_mode():
         yield
@@ -43,7 +42,7 @@ def _free_memory_after(device: str) -> Iterator[None]:
         torch.cuda.empty_cache()
 
 
-def _pixels(rgb: Picture, width: int, height: int) -> torch.Tensor:
+def prepare(rgb: Picture, width: int, height: int) -> torch.Tensor:
     """The picture (1, 3, height, width) as a network sees it."""
     sized = cv2.resize(rgb, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.float32) / 255
     mean, deviation = (np.array(values, np.float32) for values in IMAGENET)
@@ -56,12 +55,12 @@ def detect(rgb: Picture, labels: Sequence[str], options: OutlineSection, device:
     Raises:
         InputError: the weights are missing or broken.
     """
-    with _free_memory_after(device):
+    with free_memory_after(device):
         height, width = rgb.shape[:2]
         model = load_pretrained(GroundingDinoForObjectDetection, options.detector, "perception.detector").to(device)
-        tokenizer = _tokenizer(options.detector, "perception.detector")
+        tokenizer = _tokenizer(options.detector)
         scale = min(DETECTOR_SIDES[0] / min(width, height), DETECTOR_SIDES[1] / max(width, height))
-        pixels = _pixels(rgb, round(width * scale), round(height * scale)).to(device)
+        pixels = prepare(rgb, round(width * scale), round(height * scale)).to(device)
         seen = torch.ones(pixels.shape[0], *pixels.shape[2:], dtype=torch.long, device=device)
         found: list[Detection] = []
         for ids, spans in _texts(tokenizer, labels, model.config.max_text_len):
@@ -86,12 +85,12 @@ def detect(rgb: Picture, labels: Sequence[str], options: OutlineSection, device:
     return sorted(found, key=lambda detection: -detection.score)
 
 
-def _tokenizer(folder: str, key: str) -> Any:
+def _tokenizer(folder: str) -> Any:
     try:
         return AutoTokenizer.from_pretrained(folder, local_files_only=True)
     except (OSError, ValueError, TypeError, KeyError):
         what, fix = f"the tokenizer in '{folder}' does not load.", "put tokenizer.json beside model.safetensors"
-        raise InputError(key, what, fix, code="E-TOKENIZER-MISSING") from None
+        raise InputError("perception.detector", what, fix, code="E-TOKENIZER-MISSING") from None
 
 
 def _texts(
@@ -122,12 +121,12 @@ def segment(
     Raises:
         InputError: the weights are missing or broken.
     """
-    with _free_memory_after(device):
+    with free_memory_after(device):
         height, width = rgb.shape[:2]
         model = load_pretrained(Sam2Model, options.segmenter, "perception.segmenter").to(device)
         side = model.config.prompt_encoder_config.image_size
         boxes = np.array([item.box for item in detections]) * np.array([side / width, side / height] * 2)
-        embedded = model.get_image_embeddings(_pixels(rgb, side, side).to(device))
+        embedded = model.get_image_embeddings(prepare(rgb, side, side).to(device))
         masks = []
         for box in boxes:  # one at a time: memory does not grow with their number
             given = torch.tensor(box, dtype=torch.float32, device=device).reshape(1, 1, 4)
@@ -135,25 +134,3 @@ def segment(
             sized = cv2.resize(logits.float().cpu().numpy(), (width, height), interpolation=cv2.INTER_LINEAR)
             masks.append(np.asarray(sized > 0))
         return masks
-
-
-def depth_of(rgb: Picture, options: MeasureOptions, device: str = "cpu") -> NDArray[np.float32]:
-    """Depth (H, W) in metres.
-
-    Raises:
-        InputError: the weights are missing, broken, or of another kind.
-    """
-    key, (height, width) = "perception.depth_anything", rgb.shape[:2]
-    with _free_memory_after(device):
-        model = load_pretrained(DepthAnythingForDepthEstimation, options.depth_anything, key).to(device)
-        if model.config.depth_estimation_type != "metric":
-            what = f"'{options.depth_anything}' gives relative depth, not metres."
-            raise InputError(key, what, "metric weights are asked for", code="E-WEIGHTS-KIND")
-        patch = model.config.patch_size
-        scale = 518 / min(width, height)  # pixels of the shorter side in its preprocessor
-        across, down = (max(patch, round(side * scale / patch) * patch) for side in (width, height))
-        found = model(_pixels(rgb, across, down).to(device)).predicted_depth[0].float().cpu().numpy()
-    depth = cv2.resize(found, (width, height), interpolation=cv2.INTER_LINEAR)
-    if not np.isfinite(depth).all():
-        raise InputError(key, "gives depth that is not finite.", "other weights", code="E-WEIGHTS-KIND")
-    return np.clip(depth, NEAREST, SKY).astype(np.float32)

@@ -72,9 +72,8 @@ class VlmConfig(Section):
     @classmethod
     def _check_variable(cls, name: str) -> str:
         if name and not re.fullmatch(VARIABLE, name):  # it may be the key: it is not shown
-            raise unfit(
-                "is no name of an environment variable", "e.g. OPENAI_API_KEY; the key itself is written nowhere"
-            )
+            mend = "e.g. OPENAI_API_KEY; the key itself is written nowhere"
+            raise unfit("is no name of an environment variable", mend)
         return name
 
     @field_validator("url")
@@ -113,19 +112,11 @@ def keys(config: Any) -> list[str] | None:
     return asked or None
 
 
+ABOUT = "The language model that sees, for the judge `vlm` and for `perception.captions: vlm` (docs/vlm.md)."
 PACKAGE = Package(
     section="vlm",
     judges=True,
-    sections={
-        "vlm": (
-            VlmConfig,
-            Field(
-                VlmConfig(),
-                description="The language model that sees, for the judge `vlm` and for `perception.captions: vlm` "
-                "(docs/vlm.md).",
-            ),
-        )
-    },
+    sections={"vlm": (VlmConfig, Field(VlmConfig(), description=ABOUT))},
     outside=lambda config: [model.ledger for model in list_models_asked(config)],
     keys=keys,
 )

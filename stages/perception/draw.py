@@ -28,7 +28,7 @@ from roomkin.stages.perception.layout.room import (
     see_camera,
 )
 from roomkin.stages.perception.layout.things import see_outlines
-from roomkin.stages.perception.read.photo import Photo, read_known
+from roomkin.stages.perception.read.photo import read_known
 from roomkin.stages.perception.segmentation.proposal import find_border
 from roomkin.stages.perception.write import check_folder
 
@@ -79,27 +79,18 @@ def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "
     if given is None:
         left_out = [f"{one.guess}: left out: {one.left_out}" for one in project.left_out]
         missing = [f"perception.heights: no {label} is found" for label in drawn.missing]
-        print("\n".join([count_things(project), note, *left_out, *missing, *list_silent()]))
+        counted = f"{count(len(project.objects), 'thing')}, {count(len(project.walls), 'wall')}"
+        print("\n".join([counted, note, *left_out, *missing, *list_silent()]))
     else:
-        project, solved = finish_drawing(read_drawing(given, photo), None)
+        (height, width), mend = photo.rgb.shape[:2], "give the picture that was drawn into"
+        project = read_json(Project, given).check_picture(photo.digest, width, height, given, mend)
+        project, solved = finish_drawing(project, None)
         project, note = project.model_copy(update={"digest": photo.digest}), ""
         if given == path:
             print(f"{path}: drawn by a person: kept; delete it to begin anew")
     written = write_folder(out, photo.rgb, project, solved, note=note)
     print("".join(f"{note}\n" for note in written.notes if not note.endswith(UNSURE)), end="")
     print(f"{out}: put it right in the browser: {command_for(out)}")
-
-
-def read_drawing(path: Path, photo: Photo) -> Project:
-    """The drawing in a file, checked to be of this picture, by its digest and size.
-
-    Raises:
-        InputError: it is of another one.
-    """
-    height, width = photo.rgb.shape[:2]
-    return read_json(Project, path).check_picture(
-        photo.digest, width, height, path, "give the picture that was drawn into"
-    )
 
 
 def draw_picture(
@@ -144,8 +135,3 @@ def draw_picture(
     left_out |= {value: find_reason(names, options.sure) for value, names in named.items() if value not in labels}
     missing = [label for label in options.heights if label not in {"camera", *labels.values()}]
     return Drawn(add_found(project, masks, named, left_out), solved, room, masks, labels, missing)
-
-
-def count_things(project: Project) -> str:
-    """What was found, in a line for people."""
-    return f"{count(len(project.objects), 'thing')}, {count(len(project.walls), 'wall')}"

@@ -235,9 +235,8 @@ def _read_lock(path: Path) -> dict[str, Locked]:
     try:
         return TypeAdapter(dict[str, Locked]).validate_json(path.read_bytes())
     except ValidationError as error:
-        raise InputError(
-            path, f"is broken at {first_error(error)}.", "remove it to lock what comes next", code="E-WEIGHTS-LOCK"
-        ) from None
+        what = f"is broken at {first_error(error)}."
+        raise InputError(path, what, "remove it to lock what comes next", code="E-WEIGHTS-LOCK") from None
 
 
 def fetch_weights(path: str, source: str, key: str, locked: Locked | None = None) -> Record:

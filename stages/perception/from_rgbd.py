@@ -46,9 +46,8 @@ def run(
     read_camera, camera_file = choose_camera(camera)
     if recording is not None:
         if rgb is not None or depth is not None:
-            raise InputError(
-                "--recording", "has its own pictures.", "leave out --rgb and --depth", code="E-OPTION-CONFLICT"
-            )
+            what = "has its own pictures."
+            raise InputError("--recording", what, "leave out --rgb and --depth", code="E-OPTION-CONFLICT")
         view = find_view(recording, number, read_camera, camera_file)
     elif rgb is None or depth is None:
         raise InputError("--rgb, --depth", "both are needed.", "or give --recording", code="E-OPTION-MISSING")

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -54,9 +53,7 @@ def find_camera(rgb: NDArray[np.uint8], focal: float | None, source: str) -> tup
     """K of a picture (H, W, 3), and a line with the source of its focal length: known, lines, a usual camera."""
     height, width = rgb.shape[:2]
     if focal is None:
-        proposed = propose(
-            np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), np.uint8), usual_focal(width, height, None)
-        )
+        proposed = propose(rgb, usual_focal(width, height, None))
         usual = "a usual camera, as nothing tells it: perception.field_of_view sets it"
         focal, source = proposed.likely_focal, "lines in the picture" if proposed.guides else usual
     degrees = np.rad2deg(2 * np.arctan(width / 2 / focal))
@@ -68,7 +65,6 @@ def level_by_lines(rgb: NDArray[np.uint8], depth: NDArray[np.float32], intrinsic
     """`floor_from_camera` (4, 4) of a picture (H, W, 3), its floor below all that is seen."""
     points, seen = back_project(depth.astype(float), intrinsics), depth > 0
     height, width = depth.shape
-    grey = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), np.uint8)
-    up = fit_view(propose(grey, usual_focal(width, height, float(intrinsics[0, 0]))), width, height).rotation[2]
+    up = fit_view(propose(rgb, usual_focal(width, height, float(intrinsics[0, 0]))), width, height).rotation[2]
     lowest = float(np.quantile(points[seen] @ up, STRAY))
     return make_floor_frame(Plane(up, min(lowest, -NEAREST), np.zeros(0, dtype=bool)))

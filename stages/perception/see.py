@@ -3,11 +3,10 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from roomkin.stages.cli import progress
 from roomkin.stages.config.perception import OutlineSection, SeeOptions, SeeSection
@@ -28,41 +27,16 @@ from roomkin.stages.perception.classification.naming import Named, name_things
 from roomkin.stages.perception.classification.propose import list_silent
 from roomkin.stages.perception.read.frame import TILT, Frame, Labelled, doubt_depth
 from roomkin.stages.perception.segmentation.choosing import choose
-from roomkin.stages.perception.segmentation.proposal import Mask, RoomView, list_proposals
+from roomkin.stages.perception.segmentation.proposal import RoomView, list_proposals
 from roomkin.stages.perception.write import NAMES, draw_numbers, tell_names, write_frame
 from roomkin.stages.plugins import load
 
-Box = Sequence[float]
 
+def caption_things(captioner: Any, view: RoomView, things: Sequence[Named], options: SeeSection) -> list[Named]:
+    """The things as they are captioned: what has a caption has a sure name; what is no whole thing is left out.
 
-class Captioner(Protocol):
-    """A language model that says what is in a picture (H, W, 3); `captioners/<name>.py` of a package defines one."""
-
-    def list_labels(self, rgb: NDArray[np.uint8]) -> list[str]:
-        """What is in the picture."""
-
-    def caption(
-        self, rgb: NDArray[np.uint8], box: Box, label: str, labels: Sequence[str], number: int
-    ) -> dict[str, Any] | None:
-        """Of the thing in a box label, articulated, doors, drawers; empty: not known; None: it is no whole thing."""
-
-    def hold(
-        self, rgb: NDArray[np.uint8], box: Box, walls: Sequence[Mask], label: str, number: int
-    ) -> tuple[int, list[int]] | None:
-        """How the thing in a box is held: type 1, 2, 3, and the walls that it touches, by places; None: unknown."""
-
-    def summary(self) -> str:
-        """What was asked, in a line."""
-
-
-def make_captioner(options: SeeSection, model: Mapping[str, Any]) -> Captioner | None:
-    """Who captions; None: nobody. `model`: the config section `vlm`."""
-    captioner: Captioner | None = None if options.captions == "labels" else load("captioners", options.captions)(model)
-    return captioner
-
-
-def caption_things(captioner: Captioner, view: RoomView, things: Sequence[Named], options: SeeSection) -> list[Named]:
-    """The things as they are captioned: what has a caption has a sure name; what is no whole thing is left out."""
+    captioner: a `Captioner` of `captioners/<name>.py` of a package, as `roomkin.plugins.vlm.captioners.vlm` has it.
+    """
     found = list(things)
     asked = [k for k, one in enumerate(things) if not one.left_out or one.left_out in UNSURE]
     for k in progress(asked, "objects"):
@@ -165,7 +139,7 @@ def see(frame: Frame, options: SeeSection, model: Mapping[str, Any] | None = Non
     Raises:
         InputError: nothing level is seen, or no thing.
     """
-    captioner = make_captioner(options, model or {})
+    captioner = None if options.captions == "labels" else load("captioners", options.captions)(model or {})
     if captioner is not None:
         options = options.model_copy(update={"labels": captioner.list_labels(frame.rgb)})
     view = look(frame, device)
@@ -189,9 +163,8 @@ def look(frame: Frame, device: str = "cpu") -> RoomView:
     surfaces = find_surfaces(depth, frame.intrinsics, TILT, frame.pose)
     if surfaces is None:
         check_turned("depth", back_project(depth, frame.intrinsics), depth > 0, TILT)
-        raise InputError(
-            "depth", "shows no level surface.", "check depth (metres) and intrinsics", code="E-FLOOR-MISSING"
-        )
+        mend = "check depth (metres) and intrinsics"
+        raise InputError("depth", "shows no level surface.", mend, code="E-FLOOR-MISSING")
     return RoomView(frame.rgb, depth, frame.intrinsics, surfaces, device)
 
 

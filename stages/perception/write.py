@@ -69,9 +69,8 @@ def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
         if not kind
     ]
     if not objects:
-        raise InputError(
-            "masks", "show no object, only floor and walls.", "name at least one object", code="E-MASKS-EMPTY"
-        )
+        what = "show no object, only floor and walls."
+        raise InputError("masks", what, "name at least one object", code="E-MASKS-EMPTY")
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
 
 
@@ -86,9 +85,8 @@ def doubt_name(proposals: Sequence[LikelyName | Name]) -> list[Doubt]:
     if not proposals or proposals[0].probability >= DoubtKind.NAME.threshold:
         return []
     first, *others = proposals
-    return [
-        DoubtKind.NAME.of(name=first.name, share=100 * first.probability, others=" or ".join(o.name for o in others))
-    ]
+    named = " or ".join(one.name for one in others)
+    return [DoubtKind.NAME.of(name=first.name, share=100 * first.probability, others=named)]
 
 
 def check_folder(folder: Path, digest: str) -> None:
@@ -112,17 +110,9 @@ def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     check_folder(folder, frame.digest)
     frame = fit_frame(frame)
     height, width = frame.rgb.shape[:2]
-    pose = None if frame.pose is None else frame.pose.tolist()
-    matrix = frame.intrinsics.tolist()
-    camera = Camera(
-        width=width,
-        height=height,
-        intrinsics=matrix,
-        floor_from_camera=pose,
-        note=frame.doubt,
-        picture=frame.picture,
-        digest=frame.digest,
-    )
+    pose, matrix = None if frame.pose is None else frame.pose.tolist(), frame.intrinsics.tolist()
+    about = {"note": frame.doubt, "picture": frame.picture, "digest": frame.digest}
+    camera = Camera(width=width, height=height, intrinsics=matrix, floor_from_camera=pose, **about)
     if frame.masks is None:
         write_scene_input(folder, frame.rgb, frame.depth, camera, None, None)
         return None

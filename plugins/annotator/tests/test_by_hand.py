@@ -289,11 +289,11 @@ def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall(tmp_path
     solved = solve(drawing)
     rear = _pixels([[-0.8, 3.5, 0.9]])[0]
     for beside in (-8, -3, 3):  # a worktop is 5 cm thick, 4 pixels here
-        assert support_at(drawing, solved, (rear[0], rear[1] + beside)) == "cabinet"
-    assert support_at(drawing, solved, (rear[0], rear[1] - 30)) == "back"
-    assert support_at(drawing, solved, (rear[0], rear[1] - 11)) == "back"
-    assert support_at(drawing, solved, (rear[0], rear[1] - 10), stands=True) == "cabinet", "a jar hangs nowhere"
-    assert support_at(drawing, solved, (rear[0], rear[1] - 30), stands=True) == "floor"
+        assert support_at(solved, (rear[0], rear[1] + beside)) == "cabinet"
+    assert support_at(solved, (rear[0], rear[1] - 30)) == "back"
+    assert support_at(solved, (rear[0], rear[1] - 11)) == "back"
+    assert support_at(solved, (rear[0], rear[1] - 10), stands=True) == "cabinet", "a jar hangs nowhere"
+    assert support_at(solved, (rear[0], rear[1] - 30), stands=True) == "floor"
     Image.fromarray(_noise()).save(tmp_path / "a.png")
     session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
     asked = {"project": drawing.model_dump(mode="json"), "pixel": (rear[0], rear[1] - 30)}
@@ -321,9 +321,9 @@ def test_what_stands_far_back_on_a_top_of_guessed_depth_is_put_onto_it() -> None
     drawing = _drawing(walls=[], objects=[DrawnObject(id="deep", label="cabinet", points=front["deep"])])
     foot = front["oven"][0]
     solved = solve(drawing)
-    assert solved.boxes["deep"].size[1] < 0.8 and support_at(drawing, solved, foot) == "deep"
-    assert support_at(drawing, solved, (foot[0] - 60, foot[1])) == "floor", "beside it"
-    assert support_at(drawing, solved, (foot[0], foot[1] - 20)) == "floor", "far behind it"
+    assert solved.boxes["deep"].size[1] < 0.8 and support_at(solved, foot) == "deep"
+    assert support_at(solved, (foot[0] - 60, foot[1])) == "floor", "beside it"
+    assert support_at(solved, (foot[0], foot[1] - 20)) == "floor", "far behind it"
     drawing.objects.append(DrawnObject(id="oven", label="microwave", on="deep", points=front["oven"]))
     solved = solve(drawing)
     carrier, box = solved.boxes["deep"], solved.boxes["oven"]

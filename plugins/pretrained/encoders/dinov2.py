@@ -21,10 +21,8 @@ from roomkin.stages.perception.classification.clip import Layer, read_published
 
 HEAD, EPSILON = 64, 1e-6  # numbers a head of attention; of the normalisations; in every size of it
 PLACES = "embeddings.position_embeddings"
-NAMELESS = (
-    "onnx::Concat_1957",
-    "onnx::Reshape_1962",
-)  # in the published file: places of the whole and of 37 x 37 patches
+# In the published file: places of the whole and of 37 x 37 patches.
+NAMELESS = ("onnx::Concat_1957", "onnx::Reshape_1962")
 
 
 class Dinov2(nn.Module):

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from roomkin.plugins.pretrained import networks
-from roomkin.plugins.pretrained.networks import Detection, depth_of, detect, segment
-from roomkin.plugins.vlm.ask import Asker, NoAnswerError
+from roomkin.plugins.pretrained.depth_sources import depth_anything as depths
+from roomkin.plugins.pretrained.networks import Detection, detect, segment
 from roomkin.plugins.vlm.captioners import vlm
-from roomkin.plugins.vlm.package import VlmConfig
 from roomkin.plugins.vlm.prompt import draw_box
 from roomkin.plugins.vlm.tests.chat_server import KEY, ChatServer, says, serving
 from roomkin.stages.config.perception import MeasureOptions, PerceptionSection, SeeOptions
@@ -78,7 +77,7 @@ def test_boxes_are_of_given_labels_and_masks_of_the_picture(tiny: dict[str, Any]
 
 
 def test_many_labels_are_asked_for_in_several_texts(tiny: dict[str, Any]) -> None:
-    tokenizer = networks._tokenizer(options(tiny).detector, "perception.detector")
+    tokenizer = networks._tokenizer(options(tiny).detector)
     texts = list(networks._texts(tokenizer, ["coffee table", "mug", "cabinet", " "], 8))
     words = [tokenizer.convert_ids_to_tokens(ids) for ids, _ in texts]
     assert words == [["[CLS]", "coffee", "table", ".", "mug", ".", "[SEP]"], ["[CLS]", "cabinet", ".", "[SEP]"]]
@@ -86,11 +85,11 @@ def test_many_labels_are_asked_for_in_several_texts(tiny: dict[str, Any]) -> Non
 
 
 def test_depth_is_in_metres(tiny: dict[str, Any], tmp_path: Path) -> None:
-    depth = depth_of(RGB, options(tiny))
+    depth = depths.measure_depth(RGB, options(tiny))
     assert depth.shape == (120, 160) and depth.dtype == np.float32 and 0 < depth.min() <= depth.max() <= 100
     depth_anything(tmp_path / "relative", "relative")
     with refused("E-WEIGHTS-KIND"):
-        depth_of(RGB, options(tiny, depth_anything=str(tmp_path / "relative")))
+        depths.measure_depth(RGB, options(tiny, depth_anything=str(tmp_path / "relative")))
 
 
 def test_a_picture_becomes_an_input_folder_by_saved_weights(tiny: dict[str, Any], tmp_path: Path) -> None:
@@ -125,7 +124,7 @@ def known(room: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Detectio
         found.append(Detection(label, 0.95 - 0.1 * number, box))  # type: ignore[arg-type]
     monkeypatch.setattr(networks, "detect", lambda *_: found)
     monkeypatch.setattr(networks, "segment", lambda *_: [scene.masks == value for value in values.values()])
-    monkeypatch.setattr(networks, "depth_of", lambda *_: scene.depth)
+    monkeypatch.setattr(depths, "measure_depth", lambda *_: scene.depth)
     focal = float(INTRINSICS[0][0])
     monkeypatch.setattr(photo, "read_photo", lambda *_: Photo(scene.rgb, focal, 1.0))
     yield found
@@ -231,9 +230,8 @@ def test_a_mounting_counts_if_all_of_its_walls_are_seen() -> None:
 def test_mountings_that_cannot_be_are_no_answers(how: str, walls: list[int], tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.setenv("OPENAI_API_KEY", KEY)
     with serving(hold(how, *walls), key=KEY) as server:
-        asker = Asker(VlmConfig.model_validate(json.loads(asked(server, tmp_path))["vlm"]))
-        with pytest.raises(NoAnswerError):
-            vlm.ask_mounting(asker, RGB, (10, 10, 50, 50), [RGB[..., 0] > 100], "mug", "a mug")
+        captioner = vlm.Captioner(json.loads(asked(server, tmp_path))["vlm"])
+        assert captioner.hold(RGB, (10, 10, 50, 50), [RGB[..., 0] > 100], "mug", 1) is None
 
 
 def test_walls_are_numbered_where_they_are_wide() -> None:
@@ -260,7 +258,7 @@ def test_where_no_floor_is_seen_lines_tell_what_is_level(
     measure.run(image=room / "rgb.png", out=tmp_path / "seen")
     assert read_json(Camera, tmp_path / "seen/camera.json").floor_from_camera is None  # extraction finds it
     flat = np.full_like(scene.depth, 3.0)  # as of a bad network: all at one distance
-    monkeypatch.setattr(networks, "depth_of", lambda *_: flat)
+    monkeypatch.setattr(depths, "measure_depth", lambda *_: flat)
     monkeypatch.setattr(photo, "read_photo", lambda *_: Photo(np.full_like(scene.rgb, 90), None, 1.0))
     measure.run(image=room / "rgb.png", out=tmp_path / "flat")
     camera = read_json(Camera, tmp_path / "flat/camera.json")

@@ -78,14 +78,18 @@ class Captioner:
         self.asker = Asker(VlmConfig.model_validate(dict(options)))
 
     def list_labels(self, rgb: NDArray[np.uint8]) -> list[str]:
-        """Labels of what is in a picture (H, W, 3).
+        """Labels of what is in a picture (H, W, 3), in the order given, lower case.
 
         Raises:
             InputError: there is no answer that can be used.
         """
         model = self.asker.options
         try:
-            labels = ask_labels(self.asker, rgb)
+            answer = self.asker.ask(Prompt(SYSTEM_PROMPT, [rgb, LABELS_PROMPT]), LabelsAnswer, "what is in the picture")
+            labels = [escape_control(" ".join(label.lower().replace(".", " ").split())[:60]) for label in answer.labels]
+            labels = [label for label in dict.fromkeys(labels) if label and label != NONE]
+            if not labels:
+                raise NoAnswerError("it lists nothing")
         except NoAnswerError as error:
             what = f"says not what is in the picture ({error})."
             mend = "perception.captions: labels needs no language model"
@@ -105,8 +109,11 @@ class Captioner:
             number: of the thing, for people.
         """
         about, name = f"object {number}, {label}", self.asker.options.model
+        choice: Any = Literal[(*labels, NONE)]
+        form = create_model("Look", __base__=ObjectAnswer, label=(choice, ...))
+        prompt = Prompt(SYSTEM_PROMPT, [draw_box(rgb, box), OBJECT_PROMPT.format(labels=", ".join(labels))])
         try:
-            answer = ask_object(self.asker, rgb, box, labels, about)
+            answer = self.asker.ask(prompt, form, about)
         except NoAnswerError as error:
             print(f"{about}: no answer ({error}): its label stays")
             return {}
@@ -115,7 +122,7 @@ class Captioner:
             return None
         if answer.label != label:
             print(f"{about}: is a {answer.label}, says {name}")
-        return answer.model_dump()
+        return answer.model_dump() | {"articulated": answer.articulated or answer.doors + answer.drawers > 0}
 
     def hold(
         self, rgb: NDArray[np.uint8], box: Sequence[float], walls: Sequence[NDArray[np.bool_]], label: str, number: int
@@ -123,63 +130,17 @@ class Captioner:
         """How the thing in a box is held: type 1, 2, 3, and the walls (H, W) that it touches, by their places; None: no
         usable answer."""
         about = f"object {number}, {label}: mounting"
+        which: Any = list[Literal[tuple(range(1, len(walls) + 1))]]  # type: ignore[misc]
+        form = create_model("Held", __base__=MountingAnswer, walls=(which, ...))
+        text = MOUNTING_PROMPT.format(label=label, count=len(walls))
+        prompt = Prompt(SYSTEM_PROMPT, [draw_box(rgb, box), draw_numbers(rgb, walls), text])
         try:
-            return ask_mounting(self.asker, rgb, box, walls, label, about)
+            found = self.asker.ask(prompt, form, about)
         except NoAnswerError as error:
             print(f"{about} by geometry, no answer ({error})")
             return None
+        return 1 + MOUNTINGS.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]
 
     def summary(self) -> str:
         """What was asked, in a line."""
         return self.asker.summary()
-
-
-def ask_labels(asker: Asker, rgb: NDArray[np.uint8]) -> list[str]:
-    """Labels of what is in the picture, in the order given, lower case.
-
-    Raises:
-        NoAnswerError: there is no answer that can be used.
-    """
-    answer = asker.ask(Prompt(SYSTEM_PROMPT, [rgb, LABELS_PROMPT]), LabelsAnswer, "what is in the picture")
-    labels = [escape_control(" ".join(label.lower().replace(".", " ").split())[:60]) for label in answer.labels]
-    labels = [label for label in dict.fromkeys(labels) if label and label != NONE]
-    if not labels:
-        raise NoAnswerError("it lists nothing")
-    return labels
-
-
-def ask_object(
-    asker: Asker, rgb: NDArray[np.uint8], box: Sequence[float], labels: Sequence[str], about: str
-) -> ObjectAnswer:
-    """What the thing in a box is.
-
-    Raises:
-        NoAnswerError: there is no answer that can be used.
-    """
-    choice: Any = Literal[(*labels, NONE)]
-    answer = create_model("Look", __base__=ObjectAnswer, label=(choice, ...))
-    found = asker.ask(
-        Prompt(SYSTEM_PROMPT, [draw_box(rgb, box), OBJECT_PROMPT.format(labels=", ".join(labels))]), answer, about
-    )
-    panels = found.doors + found.drawers > 0
-    return found.model_copy(update={"articulated": found.articulated or panels})
-
-
-def ask_mounting(
-    asker: Asker,
-    rgb: NDArray[np.uint8],
-    box: Sequence[float],
-    walls: Sequence[NDArray[np.bool_]],
-    label: str,
-    about: str,
-) -> tuple[int, list[int]]:
-    """The mounting type (1, 2, 3) of the thing in a box, and which of the walls it touches, by their places in `walls`.
-
-    Raises:
-        NoAnswerError: there is no answer that can be used, as one that names a wall that was not shown.
-    """
-    number: Any = list[Literal[tuple(range(1, len(walls) + 1))]]  # type: ignore[misc]
-    answer = create_model("Held", __base__=MountingAnswer, walls=(number, ...))
-    text = MOUNTING_PROMPT.format(label=label, count=len(walls))
-    found = asker.ask(Prompt(SYSTEM_PROMPT, [draw_box(rgb, box), draw_numbers(rgb, walls), text]), answer, about)
-    return 1 + MOUNTINGS.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]

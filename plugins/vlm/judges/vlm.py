@@ -63,10 +63,8 @@ class Judge:
         while len(chosen) < count:
             names = [candidate.asset for candidate in left]
             pictures = [question.snapshots.views(name)[-1].rgb for name in names]
-            found = self._choice(
-                question, WHICH_MODEL, pictures, names, "model", chosen, partial(self._find_model, question, [*left])
-            )
-            chosen.append(left.pop(found))
+            find = partial(self._find_model, question, [*left])
+            chosen.append(left.pop(self._choice(question, WHICH_MODEL, pictures, names, "model", chosen, find)))
         return chosen + [candidate for candidate in by_distance if candidate not in chosen]
 
     def orientations(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roomkin.stages.geometry.boxes import UprightBox
-from roomkin.stages.geometry.frames import make_transform
+from roomkin.stages.geometry.frames import make_intrinsics, make_transform
 
 Points = NDArray[np.float64]
 HORIZON = 60.0  # heights of the camera: a floor point farther away lies at the horizon and says nothing
@@ -40,8 +40,12 @@ class PinholeView:
     @property
     def intrinsics(self) -> Points:
         """3x3 matrix K: square pixels, principal point in the center."""
-        f = self.focal
-        return np.array([[f, 0, (self.width - 1) / 2], [0, f, (self.height - 1) / 2], [0, 0, 1.0]])
+        return make_intrinsics(self.focal, self.focal, *self.center)
+
+    @property
+    def center(self) -> tuple[float, float]:
+        """The pixel of the optical axis."""
+        return (self.width - 1) / 2, (self.height - 1) / 2
 
     @property
     def room_from_camera(self) -> Points:
@@ -51,15 +55,14 @@ class PinholeView:
     def rays(self, pixels: ArrayLike) -> Points:
         """Directions (..., 3) in the room frame through pixels (..., 2); depth along the optical axis is 1."""
         given = np.asarray(pixels, dtype=float)
-        center = [(self.width - 1) / 2, (self.height - 1) / 2]
-        flat = np.concatenate([(given - center) / self.focal, np.ones_like(given[..., :1])], axis=-1)
+        flat = np.concatenate([(given - self.center) / self.focal, np.ones_like(given[..., :1])], axis=-1)
         return np.asarray(flat @ self.rotation.T)
 
     def project(self, points: ArrayLike) -> Points:
         """Pixels (..., 2) of points (..., 3) of the room frame; NaN behind the camera."""
         local = (np.asarray(points, dtype=float) - [0, 0, self.above]) @ self.rotation
         depth = np.where(local[..., 2:] > 1e-3 * self.above, local[..., 2:], np.nan)
-        return np.asarray(local[..., :2] / depth * self.focal + [(self.width - 1) / 2, (self.height - 1) / 2])
+        return np.asarray(local[..., :2] / depth * self.focal + self.center)
 
     def meet_level(self, pixel: ArrayLike, z: float = 0.0) -> Points:
         """The point (3,) at height z that a pixel shows.
@@ -160,10 +163,8 @@ def depth_by_pixel(view: PinholeView, corners: Points, inward: Points, pixel: Ar
 def _box(front: Points, inward: Points, size: tuple[float, float, float], bottom: float) -> UprightBox:
     """The box behind a front: `front` is any point under the front's middle, size is (width, depth, height)."""
     width, depth, height = size
-    center = front + inward * depth / 2
-    return UprightBox(
-        [*center[:2], bottom + height / 2], [width, depth, height], float(np.arctan2(-inward[0], inward[1]))
-    )
+    middle = [*(front + inward * depth / 2)[:2], bottom + height / 2]
+    return UprightBox(middle, [width, depth, height], float(np.arctan2(-inward[0], inward[1])))
 
 
 def fit_standing_box(

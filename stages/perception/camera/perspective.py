@@ -52,8 +52,7 @@ def measure_misses(view: PinholeView, axes: NDArray[np.integer], ends: Points) -
         axes: (N,) 0, 1, 2 for x, y, z.
         ends: (N, 2, 2) pixels of both ends.
     """
-    center = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
-    a, b = ends[:, 0] - center, ends[:, 1] - center
+    a, b = ends[:, 0] - view.center, ends[:, 1] - view.center
     middle = (a + b) / 2
     direction = view.rotation[axes]  # of the axis, in the camera frame
     vanishing = np.concatenate([direction[:, :2] * view.focal, direction[:, 2:]], axis=1)
@@ -72,8 +71,7 @@ def find_weak_lines(view: PinholeView, guides: list[Guide]) -> list[bool]:
 
 def _measure_miss(view: PinholeView, axis: int, pixel: ArrayLike) -> Points:
     """By how many pixels a vanishing point misses the place where it was put; it may be at infinity."""
-    center = np.array([(view.width - 1) / 2, (view.height - 1) / 2])
-    wanted = np.array([*(np.asarray(pixel, dtype=float) - center) / view.focal, 1.0])
+    wanted = np.array([*(np.asarray(pixel, dtype=float) - view.center) / view.focal, 1.0])
     wanted /= np.linalg.norm(wanted)
     return np.asarray(np.cross(wanted, view.rotation[axis]) * view.focal)
 
@@ -81,11 +79,10 @@ def _measure_miss(view: PinholeView, axis: int, pixel: ArrayLike) -> Points:
 def horizon(view: PinholeView) -> tuple[Pixel, Pixel]:
     """The horizon's pixels at the left and right border of the picture."""
     up = view.rotation[2]  # in the camera frame: its plane is the horizon
-    center = [(view.width - 1) / 2, (view.height - 1) / 2]
+    (across, middle), ends = view.center, []
     down = up[1] if abs(up[1]) > 1e-3 else np.copysign(1e-3, up[1])
-    ends = []
     for u in (0.0, view.width - 1.0):
-        v = center[1] - (up[0] * (u - center[0]) + up[2] * view.focal) / down
+        v = middle - (up[0] * (u - across) + up[2] * view.focal) / down
         ends.append((u, float(np.clip(v, -1e5, 1e5))))
     return ends[0], ends[1]
 
@@ -95,11 +92,11 @@ def vanishing_point(view: PinholeView, axis: int) -> Pixel | None:
     x, y, z = view.rotation[axis]
     if abs(z) < 0.02:
         return None
-    return float(x / z * view.focal + (view.width - 1) / 2), float(y / z * view.focal + (view.height - 1) / 2)
+    return float(x / z * view.focal + view.center[0]), float(y / z * view.focal + view.center[1])
 
 
 @lru_cache(maxsize=64)
-def _fit(width: int, height: int, text: str, start: tuple[float, float, float] | None) -> PinholeView:
+def _fit(text: str, width: int, height: int, start: tuple[float, float, float] | None) -> PinholeView:
     given = Perspective.model_validate_json(text)
     axes = np.array([AXES.index(line.axis) for line in given.guides], dtype=int)
     ends = np.array([(line.a, line.b) for line in given.guides], dtype=float).reshape(-1, 2, 2)
@@ -140,7 +137,7 @@ def fit_view(
         given: lines and what was fixed by hand.
         start: yaw, pitch and roll to begin with, if they are roughly known; else several are tried.
     """
-    return _fit(width, height, given.model_dump_json(), start)
+    return _fit(given.model_dump_json(), width, height, start)
 
 
 MOST = 200  # segments, the longest: as many as a drawing may have
@@ -160,9 +157,9 @@ def usual_focal(width: int, height: int, exif: float | None) -> Perspective:
     return Perspective(likely_focal=USUAL_FOCAL * max(width, height))
 
 
-def find_segments(grey: NDArray[np.uint8]) -> Points:
-    """The longest line segments (N, 2, 2) of a picture (H, W), longest first."""
-    found = cv2.createLineSegmentDetector().detect(grey)[0]
+def find_segments(rgb: NDArray[np.uint8]) -> Points:
+    """The longest line segments (N, 2, 2) of a picture (H, W, 3), longest first."""
+    found = cv2.createLineSegmentDetector().detect(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY))[0]
     if found is None:
         return np.zeros((0, 2, 2))
     ends = np.asarray(found, dtype=float).reshape(-1, 2, 2)
@@ -239,20 +236,16 @@ def _guides(ends: Points, axes: NDArray[np.integer]) -> list[Guide]:
     return [Guide(axis=AXES[axis], a=tuple(a), b=tuple(b)) for axis, (a, b) in lines]  # type: ignore[arg-type]
 
 
-def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Perspective:
-    """Guides along the three axes of the room, and the focal length that fits all segments.
+def propose(rgb: NDArray[np.uint8], prior: Perspective) -> Perspective:
+    """Guides along the three axes of the room, and the focal length that fits all segments of a picture (H, W, 3).
 
-    Without lines that agree there are no guides, and the camera is the usual one.
-
-    Args:
-        grey: picture (H, W).
-        prior: what is known of the focal length.
+    Without lines that agree there are no guides, and the camera is the usual one: `prior`.
     """
-    height, width = grey.shape
-    ends = find_segments(grey)
+    height, width = rgb.shape[:2]
+    ends = find_segments(rgb)
     if len(ends) < 6:
         return prior
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     best, best_score = None, 0.0
     for focal in (prior.likely_focal * np.exp(prior.spread * TRIALS)).tolist():

@@ -27,15 +27,10 @@ Mask = NDArray[np.bool_]
 STEP, NEAR = 0.02, 11  # metres between planes that are tried, and how many of them are one; chosen
 MIN_WALL = 0.4  # square metres of flat cells that are seen of a wall: few of a far one are flat; chosen on `work`
 TOP = 1.5  # metres above the ground to which a wall reaches; chosen
-MAX_SHARE_BEHIND = (
-    0.12  # share of what is seen within a wall's width that may lie behind it: doors, windows, mirrors; chosen
-)
+MAX_SHARE_BEHIND = 0.12  # of what is seen within a wall's width: doors, windows, mirrors; chosen
 FARTHER = 0.25  # metres: what is farther behind a plane is behind it, not its noise; chosen
 ALONG = np.cos(np.deg2rad(25))  # of a surface's normal with its wall's: brick and noise are allowed for; chosen
-MIN_OFF, NOISE = (
-    0.015,
-    0.006,
-)  # metres, and of the distance squared, 1 / metres, by which points are off planes; chosen
+MIN_OFF, NOISE = 0.015, 0.006  # metres, and of the distance squared, 1 / metres: points are off planes; chosen
 DEEPEST = 1.0  # metres from the front of furniture to its wall; chosen
 MIN_CEILING = 1.9, 8  # metres from the ground to a ceiling, and cells that show it; chosen
 

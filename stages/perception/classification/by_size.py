@@ -142,10 +142,9 @@ def list_names(place: str) -> list[str]:
 
 def weigh_sizes(arranged: Arrangement, item: FitItem, names: Sequence[str]) -> dict[str, float]:
     """How likely a thing is where it is seen, if it is one of these categories, against the likeliest."""
-    costs = [
-        cost_of(arranged, replace(item, usual=usual_of(known_categories()[name]), legs=name in LEGGED))
-        for name in names
-    ]
+    usual = [usual_of(known_categories()[name]) for name in names]
+    each = [replace(item, usual=one, legs=name in LEGGED) for name, one in zip(names, usual, strict=True)]
+    costs = [cost_of(arranged, one) for one in each]
     return {name: float(np.exp(min(costs) - cost)) for name, cost in zip(names, costs, strict=True)}
 
 

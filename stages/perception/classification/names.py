@@ -11,7 +11,6 @@ from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.contracts.category import log_extents
 
 Array = NDArray[np.float64]
-
 NO_KIND, NO_NAME = "more likely nothing that the library has", "no name is sure enough"
 CARRIERS = {"appliance", "storage", "table"}  # kinds that carry things; chosen
 LIKELY = 0.2  # least probability of all kinds that carry, of what is placed for what it carries; chosen
@@ -127,9 +126,8 @@ def may_carry(names: Names) -> bool:
 
 def place_sure(named: Mapping[int, Names], sure: float, carriers: Collection[int] = ()) -> dict[int, str]:
     """Labels of what is placed: what has a sure name, and what may carry something that stands on others alone."""
-    placed = [
-        value
+    return {
+        value: names.proposals[0].name
         for value, names in named.items()
         if (value in carriers and may_carry(names)) or not find_reason(names, sure)
-    ]
-    return {value: named[value].proposals[0].name for value in placed}
+    }

@@ -31,8 +31,6 @@ Array = NDArray[np.float64]
 MARGIN = 1.15  # times the longer side of a mask's box that the classifier sees; chosen
 WITHOUT_CLASSES = f"names are right less often without ImageNet's classifier: {INSTALL}"
 WITHOUT_LOOKS = "names are right less often without CLIP: make weights"
-
-
 Mask = NDArray[np.bool_]
 POINTS, AROUND = 256, 128  # points of the mask and of what is around it
 REACH = 0.5  # metres around the mask's box from which those are; chosen

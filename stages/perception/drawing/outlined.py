@@ -77,9 +77,9 @@ def find_carrier(project: Project, solved: Solved, hull: Array, label: str) -> s
     mask = polygons([hull], (project.height, project.width))
     stands = is_standing(find_category(label, known_categories()))
     feet = [(column, row) for column in np.rint(columns).astype(int) for row in np.flatnonzero(mask[:, column])[-1:]]
-    on = [support_at(project, solved, (float(x), float(y)), stands) for x, y in feet]
+    on = [support_at(solved, (float(x), float(y)), stands) for x, y in feet]
     if stands and set(on) == {"floor"}:  # or on something on that wall, which is not drawn yet
-        on = [support_at(project, solved, (float(x), float(y))) for x, y in feet]
+        on = [support_at(solved, (float(x), float(y))) for x, y in feet]
     name, count = Counter(on or ["floor"]).most_common(1)[0]
     return name if count == len(on) or "floor" not in on else "floor"
 
@@ -132,7 +132,7 @@ BASE_SLACK = 0.05  # share of the picture's height: a base may be marked so far 
 WORKTOP = 0.05  # metres: how thick a worktop is, whose lower edge is easily marked in place of its upper one
 
 
-def support_at(project: Project, solved: Solved, pixel: tuple[float, float], stands: bool = False) -> str:
+def support_at(solved: Solved, pixel: tuple[float, float], stands: bool = False) -> str:
     """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor.
 
     An object that `stands` hangs on no wall, though on a counter that was drawn too shallow its base seems to be on

@@ -155,9 +155,8 @@ def find_usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
     odd = excess > USUAL_SPREAD + np.log(known.max(axis=0) / known.min(axis=0)) / 2
     if not odd.any():
         return None
-    width, depth, height = (
-        round(float(m), 2) if o else None for o, m in zip(odd, np.median(known, axis=0), strict=True)
-    )
+    usual = zip(odd, np.median(known, axis=0), strict=True)
+    width, depth, height = (round(float(metres), 2) if is_odd else None for is_odd, metres in usual)
     return width, depth, height
 
 

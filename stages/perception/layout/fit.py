@@ -109,7 +109,7 @@ class Layout:
         corners = np.stack([c * x - s * y, s * x + c * y, z], axis=-1) + feet[:, None]
         seen = (corners - [0, 0, view.above]) @ view.rotation
         flat = seen[..., :2] / np.maximum(seen[..., 2:], NEAR)
-        return np.asarray(flat * view.focal + [(view.width - 1) / 2, (view.height - 1) / 2])
+        return np.asarray(flat * view.focal + view.center)
 
     def measure_things(self, state: Array) -> tuple[Array, Array, Array]:
         """Deviations of the ends (N, 4), of the sizes (N, 3), and of the places on what carries them (N, 2)."""
@@ -196,9 +196,8 @@ def measure_camera(camera: CameraPrior, state: Array) -> Array:
     ends = np.array([(line.a, line.b) for line in given.guides], dtype=float).reshape(-1, 2, 2)
     focal = (state[3] - np.log(given.likely_focal)) / given.spread
     height = (state[4] - HEIGHT[0]) / HEIGHT[1]
-    return np.concatenate(
-        [weigh_residuals(measure_misses(view, axes, ends)), (state[:3] - USUAL) / SURE, [focal, height]]
-    )
+    lines = weigh_residuals(measure_misses(view, axes, ends))
+    return np.concatenate([lines, (state[:3] - USUAL) / SURE, [focal, height]])
 
 
 def list_carriers(items: Sequence[FitItem], k: int) -> list[int]:

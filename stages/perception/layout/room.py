@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import approx_fprime
@@ -64,10 +63,8 @@ def compare_tilts(layout: Layout, state: Array) -> str:
     if not camera.given.guides or abs(np.diff(tilts)[0]) < APART * spread:
         return ""
     lines, things_say = -np.degrees(tilts)
-    return (
-        f"by its lines the camera looks {lines:.0f} degrees down, by its things {things_say:.0f}: "
-        "see on the page whether the lines run along walls and furniture"
-    )
+    told = f"by its lines the camera looks {lines:.0f} degrees down, by its things {things_say:.0f}"
+    return f"{told}: see on the page whether the lines run along walls and furniture"
 
 
 @dataclass(frozen=True)
@@ -128,8 +125,7 @@ def see_camera(rgb: NDArray[np.uint8], focal: float | None) -> CameraPrior:
     """What the lines of a picture (H, W, 3) tell of its camera; focal: pixels, if EXIF or a person tells it."""
     height, width = rgb.shape[:2]
     known = usual_focal(width, height, focal)
-    proposed = propose(np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), np.uint8), known)
-    given = known.model_copy(update={"guides": proposed.guides})
+    given = known.model_copy(update={"guides": propose(rgb, known).guides})
     return CameraPrior(given, fit_view(given, width, height))
 
 

@@ -117,10 +117,8 @@ def see_outlines(rgb: NDArray[np.uint8], options: OutlineSection, device: str = 
     found = join_stacked(view, found, [KINDS[kind] for kind in tell_outlines(view, found).argmax(axis=1)])
     told = tell_outlines(view, found)
     names = [propose_names(observe_looks(rgb, one.mask), one.words or None) for one in found]
-    return [
-        OutlineCandidate(one.mask, kinds, name, is_known(one))
-        for one, kinds, name in zip(found, told, names, strict=True)
-    ]
+    every = zip(found, told, names, strict=True)
+    return [OutlineCandidate(one.mask, kinds, name, is_known(one)) for one, kinds, name in every]
 
 
 def tell_outlines(view: RoomView, found: Sequence[Outlined]) -> Array:

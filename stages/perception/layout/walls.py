@@ -99,11 +99,8 @@ def hang_things(
         boxes: of what stands, likewise.
     """
     segments = list_free_segments(rgb, masks, list(on))
-    rectangles = {
-        value: [measure_rectangle(view, UprightPlane(normal, -1.0), masks == value) for normal in NORMALS]
-        for value, holder in on.items()
-        if holder == WALL
-    }
+    sides, hung = [UprightPlane(normal, -1.0) for normal in NORMALS], [value for value in on if on[value] == WALL]
+    rectangles = {value: [measure_rectangle(view, side, masks == value) for side in sides] for value in hung}
     facing = {value: int(np.argmax([share for share, _ in found])) for value, found in rectangles.items()}
     against = [bool(AGAINST & kinds[value].kin) for value in boxes]
     walls, hanging, holders = [], {}, {}
@@ -127,7 +124,7 @@ def hang_things(
 def list_free_segments(rgb: NDArray[np.uint8], masks: NDArray[np.integer], values: list[int]) -> Array:
     """Lines (N, 2, 2) of a picture that no thing shows."""
     things = cv2.dilate(np.isin(masks, values).astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
-    segments = find_segments(np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), np.uint8))
+    segments = find_segments(rgb)
     height, width = masks.shape
     samples = segments[:, :1] + np.linspace(0, 1, 9)[:, None] * (segments[:, 1:] - segments[:, :1])
     x, y = np.rint(samples).astype(int).transpose(2, 0, 1)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.arrays import explain_unreadable, read_npz
 from roomkin.stages.contracts.files import decode_file
+from roomkin.stages.geometry.frames import make_intrinsics
 
 KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text, NPY), see docs/your-data.md"
 # Keys under which files nest the color camera; a later one counts more.
@@ -87,9 +88,8 @@ def parse_yaml(path: Path, text: str) -> Any:
         InputError: it is large, or has aliases.
     """
     if len(text) > MAX_YAML:
-        raise InputError(
-            path, f"has {len(text):,} characters of YAML.", "give what is needed alone", code="E-FILE-LARGE"
-        )
+        what = f"has {len(text):,} characters of YAML."
+        raise InputError(path, what, "give what is needed alone", code="E-FILE-LARGE")
     if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):  # a few lines of them fill any memory
         raise InputError(path, "has YAML aliases (*name).", "write the values out", code="E-FILE-UNREADABLE")
     return yaml.safe_load(text)
@@ -139,14 +139,12 @@ def _of_picture(path: Path, data: Any, picture: str) -> Any:
     if not isinstance(data, (dict, list)):
         return data
     known = {simplify_name(str(key)): value for key, value in data.items()} if isinstance(data, dict) else {}
-    above: dict[str, Any] = {}
+    above, several = dict[str, Any](), known.get("cameras", known.get("frames"))
     if isinstance(data, list):
         entries: list[tuple[Any, Any]] = list(enumerate(data))
     elif all(isinstance(one, dict) for one in data.values()) and all(str(key).isdecimal() for key in data):
         entries = list(data.items())  # BOP's scene_camera.json
-    elif not has_camera(flatten_values(data)) and isinstance(
-        several := known.get("cameras", known.get("frames")), (list, dict)
-    ):
+    elif isinstance(several, (list, dict)) and not has_camera(flatten_values(data)):
         above = data
         entries = list(several.items() if isinstance(several, dict) else enumerate(several))
     else:
@@ -163,9 +161,8 @@ def _of_picture(path: Path, data: Any, picture: str) -> Any:
 def _is_of(key: str, entry: dict[str, Any], stem: str) -> bool:
     """Whether an entry is a picture's: by its key (a number, a name), or by the file that it names."""
     named = str(find_first(entry, "file_path", "img_name", "file_name", "image_name", "name") or key).replace("\\", "/")
-    return stem in (Path(named).stem, Path(named).name) or (
-        stem.isdecimal() and key.isdecimal() and int(stem) == int(key)
-    )
+    is_number = stem.isdecimal() and key.isdecimal()
+    return stem in (Path(named).stem, Path(named).name) or (is_number and int(stem) == int(key))
 
 
 def _camera_of(entry: dict[str, Any]) -> dict[str, Any]:
@@ -185,12 +182,12 @@ def matrix_of(numbers: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[
         ValueError: they are none of these, or have a skew.
     """
     if len(numbers) == 4:
-        return _square(*numbers), None
+        return make_intrinsics(*numbers), None
     if len(numbers) == 6:
         for size, (fx, fy, cx, cy) in ((numbers[:2], numbers[2:]), (numbers[4:], numbers[:4])):
             middle = np.array([cx, cy]) / np.maximum(size, 1e-9)
             if (size == np.rint(size)).all() and (np.abs(middle - 0.5) < 0.2).all():
-                return _square(fx, fy, cx, cy), (float(size[0]), float(size[1]))
+                return make_intrinsics(fx, fy, cx, cy), (float(size[0]), float(size[1]))
         raise ValueError("six numbers that are no size with fx, fy, cx, cy")
     shapes = {9: (3, 3), 12: (3, 4), 16: (4, 4)}
     if len(numbers) not in shapes:
@@ -200,9 +197,5 @@ def matrix_of(numbers: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[
         if np.array_equal(found[2, :3], [0, 0, 1]) and found[1, 0] == 0 and found[3:].tolist() in ([], [[0, 0, 0, 1]]):
             if abs(found[0, 1]) > 0.001 * abs(found[0, 0]):
                 raise ValueError(f"a skew of {found[0, 1]:g}, which is not read")
-            return _square(found[0, 0], found[1, 1], found[0, 2], found[1, 2]), None
+            return make_intrinsics(found[0, 0], found[1, 1], found[0, 2], found[1, 2]), None
     raise ValueError("a matrix that is no [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
-
-
-def _square(fx: float, fy: float, cx: float, cy: float) -> NDArray[np.float64]:
-    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])

@@ -93,9 +93,8 @@ def read_names(path: Path, known: dict[str, Any], width: int, height: int) -> tu
         raise InputError(path, f"has the camera model '{model}', which is not read.", KNOWS, code="E-LENS-MODEL")
     roi = known.get("roi")
     if isinstance(roi, dict) and (roi.get("x_offset") or roi.get("y_offset")):
-        raise InputError(
-            path, "is of a part of the picture (roi).", "give K of this very picture", code="E-CAMERA-SIZE"
-        )
+        what = "is of a part of the picture (roi)."
+        raise InputError(path, what, "give K of this very picture", code="E-CAMERA-SIZE")
     if float(find_first(known, "skew", "s") or 0):
         raise ValueError(f"a skew of {find_first(known, 'skew', 's')}, which is not read")
     size = _read_size(known)

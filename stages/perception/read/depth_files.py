@@ -52,9 +52,8 @@ def read_raw(path: Path) -> NDArray[Any]:
         InputError: no depth: missing, of another format, in colors, or with 8 bits.
     """
     if path.suffix.lower() not in DEPTH_FILES:
-        raise InputError(
-            path, "is no kind of depth file that is known.", f"one of {', '.join(DEPTH_FILES)}", code="E-DEPTH-FORMAT"
-        )
+        what = "is no kind of depth file that is known."
+        raise InputError(path, what, f"one of {', '.join(DEPTH_FILES)}", code="E-DEPTH-FORMAT")
     with explain_unreadable(path, "depth file", "export it again"):
         if path.suffix.lower() in DEPTH_IMAGES:
             array = _read_image(path)
@@ -62,12 +61,9 @@ def read_raw(path: Path) -> NDArray[Any]:
             array = read_array(path, "depth") if path.suffix.lower() != ".exr" else read_exr(path)
     array = np.squeeze(array)
     if array.ndim != 2 or 0 in array.shape or array.dtype.kind not in "fiu" or array.dtype.itemsize == 1:
-        raise InputError(
-            path,
-            f"has shape {array.shape} and type {array.dtype}: it is no depth image.",
-            "store one array (height, width) of numbers with 16 bits or more, called depth",
-            code="E-DEPTH-FORMAT",
-        )
+        what = f"has shape {array.shape} and type {array.dtype}: it is no depth image."
+        fix = "store one array (height, width) of numbers with 16 bits or more, called depth"
+        raise InputError(path, what, fix, code="E-DEPTH-FORMAT")
     return array
 
 
@@ -132,16 +128,14 @@ def convert_to_metres(
     raw = remove_marks(raw, marks)
     known = raw[np.isfinite(raw) & (raw > 0)]
     if not known.size:
-        raise InputError(
-            path, "no pixel has a depth above 0.", "check how the camera saves depth", code="E-DEPTH-EMPTY"
-        )
+        what = "no pixel has a depth above 0."
+        raise InputError(path, what, "check how the camera saves depth", code="E-DEPTH-EMPTY")
     median = float(np.median(known))
     per_metre, how = find_scale(path, known, unit, stated, usual)
     if not NEAREST <= median / per_metre <= LARGEST:
         what = f"has the median {median:g}, which would be {median / per_metre:.3g} m: no room."
-        raise InputError(
-            path, what, "another --unit: m, mm, or the number that stands for one metre", code="E-DEPTH-UNIT"
-        )
+        fix = "another --unit: m, mm, or the number that stands for one metre"
+        raise InputError(path, what, fix, code="E-DEPTH-UNIT")
     metres = np.where(np.isfinite(raw), raw, 0).astype(np.float64) / per_metre
     metres[(metres < 0) | (metres > SKY)] = 0
     if (cut := find_cut_range(metres)) is not None:
@@ -178,9 +172,8 @@ def read_exr(path: Path) -> NDArray[Any]:
     try:
         import OpenEXR
     except ImportError:
-        raise InputError(
-            path, "is an EXR file, which nothing installed here reads.", "pip install OpenEXR", code="E-LIBRARY-MISSING"
-        ) from None
+        what = "is an EXR file, which nothing installed here reads."
+        raise InputError(path, what, "pip install OpenEXR", code="E-LIBRARY-MISSING") from None
     with OpenEXR.File(str(path), separate_channels=True) as file:
         channels: dict[str, NDArray[Any]] = {}
         for number, part in enumerate(file.parts):

@@ -38,10 +38,8 @@ WORDS = {"m": 1.0, "meter": 1.0, "metre": 1.0, "dm": 10.0, "cm": 100.0, "centime
 MIN_SCALE = 100.0  # units to a metre: what is called `scale` alone is at least that; chosen
 MAX_BYTES, MAX_FILES = 100_000, 50  # of a file, and of a folder, that are looked at; chosen
 UNITS = {"m": 1.0, "mm": 1000.0}
-USUAL_NEAREST, USUAL_MEDIAN = (
-    0.5,
-    6.0,
-)  # metres: frames of depth cameras have less; more in millimetres is mostly another unit; chosen
+# Metres: frames of depth cameras have less; more in millimetres is mostly another unit; chosen.
+USUAL_NEAREST, USUAL_MEDIAN = 0.5, 6.0
 
 
 @dataclass(frozen=True)
@@ -189,11 +187,8 @@ def _judge_by_median(path: Path, known: NDArray[Any], median: float) -> float:
         fix = UNSTRETCH
     if 1000 * USUAL_MEDIAN < median <= 1000 * LARGEST:
         units = [scale for scale in DEPTH_UNITS if scale > 1000 and median / scale >= USUAL_NEAREST]
-        could = [
-            f"{median / 1000:.3g} m in millimetres",
-            *(f"{median / scale:.3g} m in 1/{scale:g} m" for scale in units),
-        ]
-        what = f"has the median {median:g}: {', '.join(could)}."
+        others = [f"{median / scale:.3g} m in 1/{scale:g} m" for scale in units]
+        what = f"has the median {median:g}: {', '.join([f'{median / 1000:.3g} m in millimetres', *others])}."
         flags = ", ".join(f"--unit {unit}" for unit in ("mm", *map("{:g}".format, units)))
         fix = f"say which it is: {flags}, or the number that stands for one metre"
     raise InputError(path, what, fix, code="E-DEPTH-UNIT")
@@ -205,10 +200,6 @@ def _read_unit(unit: str) -> float:
     except ValueError:
         per_metre = 0.0
     if not np.isfinite(per_metre) or per_metre <= 0:
-        raise InputError(
-            "--unit",
-            f"is '{unit}'.",
-            "auto, m, mm, or the number that stands for one metre, e.g. 5000",
-            code="E-DEPTH-UNIT",
-        )
+        fix = "auto, m, mm, or the number that stands for one metre, e.g. 5000"
+        raise InputError("--unit", f"is '{unit}'.", fix, code="E-DEPTH-UNIT")
     return per_metre

@@ -86,9 +86,8 @@ def fit_frame(frame: Frame) -> Frame:
     height, width = frame.rgb.shape[:2]
     if is_stretched(frame.depth.shape[::-1], (width, height)):
         what = f"is {frame.depth.shape[1]}x{frame.depth.shape[0]}, the picture {width}x{height}: other proportions."
-        raise InputError(
-            "depth", what, "align depth to the color picture first (every camera's software does)", code="E-DEPTH-SIZE"
-        )
+        fix = "align depth to the color picture first (every camera's software does)"
+        raise InputError("depth", what, fix, code="E-DEPTH-SIZE")
     shrunk = max(1.0, max(width, height) / LONGEST_SIDE)
     size = round(width / shrunk), round(height / shrunk)
     masks = frame.masks and replace(frame.masks, values=_resize_nearest(frame.masks.values, size))
@@ -206,12 +205,10 @@ def doubt_depth(depth: NDArray[np.float32], rgb: NDArray[np.uint8], masks: NDArr
         raise InputError("depth", what, fix, code="E-DEPTH-MIRRORED")
     is_near = best.zoom == 1 and max(abs(best.right), abs(best.down)) <= APART
     if best.fit <= max(here.fit + BETTER, NOWHERE) or is_near:
+        if not shows_much or here.fit >= NOWHERE:
+            return ""
         nowhere = f"depth in doubt: its steps fit the picture's edges by {100 * here.fit:.0f} %, by chance 50"
-        return (
-            f"{nowhere}: it is not aligned to the picture, or of another one"
-            if shows_much and here.fit < NOWHERE
-            else ""
-        )
+        return f"{nowhere}: it is not aligned to the picture, or of another one"
     is_zoomed = best.fit > moved.fit + BETTER
     if not is_zoomed and moved.fit > here.fit + BETTER:
         best = moved

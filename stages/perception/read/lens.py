@@ -77,9 +77,8 @@ def find_distortion(
     if "flx" in known and float(known.get("k4") or 0):
         model = "with k4 of nerfstudio"
     if found.any() and model not in MODELS | {INVERSE}:
-        raise InputError(
-            path, f"has the distortion model '{model}', which is not read.", CALIBRATION, code="E-LENS-MODEL"
-        )
+        what = f"has the distortion model '{model}', which is not read."
+        raise InputError(path, what, CALIBRATION, code="E-LENS-MODEL")
     return _invert_distortion(found, intrinsics, width, height) if model == INVERSE else found
 
 
@@ -113,7 +112,7 @@ def _invert_distortion(
 
 def _read_coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
     """OpenCV's coefficients, padded with zeros to one of its counts; further zeros are dropped."""
-    found = _read_numbers(known, COEFFICIENTS)
+    found = _read_numbers(known)
     used = len(found) if np.isnan(found).any() else len(np.trim_zeros(found, "b"))
     count = next((count for count in COUNTS if count >= used), 0)
     if not count or not np.isfinite(found).all() or (used and len(found) < 4):
@@ -121,14 +120,14 @@ def _read_coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]
     return np.pad(found[:count], (0, max(0, count - len(found))))
 
 
-def _read_numbers(known: dict[str, Any], names: tuple[str, ...]) -> NDArray[np.float64]:
+def _read_numbers(known: dict[str, Any]) -> NDArray[np.float64]:
     """Coefficients from a list, or by their names; NaN: none."""
     values = next((known[name] for name in LISTS if name in known), None)
     values = values.get("data") if isinstance(values, dict) and "data" in values else values
     values = values.replace(",", " ").split() if isinstance(values, str) else values
     named = values if isinstance(values, dict) else known
     if not isinstance(values, list):
-        values = [named.get(name, 0) for name in names] if "k1" in named else None
+        values = [named.get(name, 0) for name in COEFFICIENTS] if "k1" in named else None
     try:
         return np.asarray(values, dtype=float).ravel()
     except (ValueError, TypeError):
@@ -158,21 +157,15 @@ def straighten_frame(frame: Frame, distortion: NDArray[np.float64] | None) -> Fr
         return frame
     target = _choose_pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
     masks = frame.masks and replace(frame.masks, values=_remap(target, frame.masks.values, lens, cv2.INTER_NEAREST))
-    return replace(
-        frame,
-        rgb=_remap(target, frame.rgb, lens, cv2.INTER_LINEAR),
-        depth=_remap(target, frame.depth, lens, cv2.INTER_NEAREST),
-        intrinsics=target,
-        masks=masks,
-        notes=[*frame.notes, "the lens's distortion is taken out"],
-    )
+    rgb, depth = _remap(target, frame.rgb, lens, cv2.INTER_LINEAR), _remap(target, frame.depth, lens, cv2.INTER_NEAREST)
+    notes = [*frame.notes, "the lens's distortion is taken out"]
+    return replace(frame, rgb=rgb, depth=depth, intrinsics=target, masks=masks, notes=notes)
 
 
 def _choose_pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
     """K of the pinhole camera all of whose pixels are in the picture."""
-    whole, _ = cv2.getOptimalNewCameraMatrix(
-        lens.intrinsics, lens.distortion, (width, height), 0, (width, height), centerPrincipalPoint=True
-    )
+    size, bent = (width, height), (lens.intrinsics, lens.distortion)
+    whole, _ = cv2.getOptimalNewCameraMatrix(*bent, size, 0, size, centerPrincipalPoint=True)
     focal = float(max(whole[0, 0], whole[1, 1]))
     target = make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
     pixels = np.arange(width * height, dtype=np.float32).reshape(height, width)

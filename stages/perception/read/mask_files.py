@@ -159,12 +159,8 @@ def read_label_image(path: Path, labels: Path | None, width: int, height: int) -
     check_size(path, (shown.shape[1], shown.shape[0]), width, height)
     found, pixels = np.unique(shown[shown > 0], return_counts=True)
     if len(found) > MAX_VALUES:
-        raise InputError(
-            path,
-            f"has {len(found):,} different values: a photograph, not masks.",
-            "COCO or labelme JSON, or a label image as PNG",
-            code="E-MASKS-FORMAT",
-        )
+        what = f"has {len(found):,} different values: a photograph, not masks."
+        raise InputError(path, what, "COCO or labelme JSON, or a label image as PNG", code="E-MASKS-FORMAT")
     if names.get(0) and surface_of(names[0]) != "nothing" and not shown.all():
         what = f"calls the value {_write_value(0, colors)} {names[0]!r}, which is the value of what nobody outlined."
         raise InputError(labels, what, "count objects from 1", code="E-MASKS-NAMES")

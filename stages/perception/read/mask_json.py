@@ -120,8 +120,10 @@ def _read_segmentation(given: Any, size: tuple[int, int]) -> tuple[Mask, list[st
         return _fill_runs(given["counts"], size), []
     if not isinstance(given, list):
         raise ShapeError("has a segmentation that is neither polygons nor run lengths")
-    if isinstance(given[0], list) and given[0] and isinstance(given[0][0], bool):
-        return _read_rows(given, size), []
+    if isinstance(given[0], list) and given[0] and isinstance(given[0][0], bool):  # pixels, row by row
+        if [len(given), *{len(row) for row in given}] != list(size):
+            raise ShapeError(f"has a mask of {len(given[0])}x{len(given)} pixels")
+        return np.array(given, dtype=bool), []
     mask, remarks = np.zeros(size, dtype=bool), []
     if not isinstance(given[0], (list, dict)) or all(_is_pair(part) for part in given):
         given = [given]
@@ -134,13 +136,6 @@ def _read_segmentation(given: Any, size: tuple[int, int]) -> tuple[Mask, list[st
         else:
             mask |= fill_outline(part, size)
     return mask, remarks
-
-
-def _read_rows(rows: list[list[bool]], size: tuple[int, int]) -> Mask:
-    """Pixels (H, W) that are written out, true or false, row by row."""
-    if [len(rows), *{len(row) for row in rows}] != list(size):
-        raise ShapeError(f"has a mask of {len(rows[0])}x{len(rows)} pixels")
-    return np.array(rows, dtype=bool)
 
 
 def _is_pair(part: Any) -> bool:
@@ -202,9 +197,8 @@ def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, pict
                 mask = _read_shape(shape, (height, width))
             except ShapeError as error:
                 raise refuse_shape(path, f"shape {number}", label, error) from None
-            shapes.append(
-                MaskShape(label, None, mask) if isinstance(mask, str) else MaskShape(label, mask, group=group)
-            )
+            found, remark = (None, mask) if isinstance(mask, str) else (mask, "")
+            shapes.append(MaskShape(label, found, remark, group))
         return shapes
 
 
@@ -224,9 +218,8 @@ def _read_shape(shape: dict[str, Any], size: tuple[int, int]) -> Mask | str:
     if kind == "circle" and len(points) == 2:
         center, edge = np.asarray(points, dtype=float)
         angles = np.linspace(0, 2 * np.pi, 64, endpoint=False)
-        return fill_outline(
-            center + np.linalg.norm(edge - center) * np.stack([np.cos(angles), np.sin(angles)], 1), size
-        )
+        around = np.linalg.norm(edge - center) * np.stack([np.cos(angles), np.sin(angles)], 1)
+        return fill_outline(center + around, size)
     raise ShapeError(f"is a {str(kind)!r} of {len(points)} points, which is not read")
 
 
@@ -238,8 +231,7 @@ def _paste_mask(shape: dict[str, Any], points: Any, size: tuple[int, int]) -> Ma
     try:
         with Image.open(io.BytesIO(base64.b64decode(shape["mask"])), formats=("PNG",)) as image:
             if max(abs(right - left + 1 - image.width), abs(bottom - top + 1 - image.height)) > 1:
-                what = f"is a mask of {image.width}x{image.height} pixels in a box of another size"
-                raise ShapeError(what)
+                raise ShapeError(f"is a mask of {image.width}x{image.height} pixels in a box of another size")
             if image.mode not in ("1", "L", "P", "I;16"):
                 raise ShapeError(f"is a mask with {len(image.getbands())} channels")
             inside = np.asarray(image) > 0

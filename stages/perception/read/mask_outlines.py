@@ -49,12 +49,13 @@ def read_names(path: Path) -> tuple[dict[int, str], bool]:
     """
     with explain_unreadable(path, "file of names", NAMES_OPTION):
         data = _load(path)
-    data = next((data[key] for key in INSIDE if isinstance(data.get(key), (list, dict))), data) if _maps(data) else data
-    if isinstance(data, list) and data and all(map(_maps, data)):
+    if isinstance(data, dict):
+        data = next((data[key] for key in INSIDE if isinstance(data.get(key), (list, dict))), data)
+    if isinstance(data, list) and data and all(isinstance(one, dict) for one in data):
         data = {one.get("value", one.get("id")): one.get("label", one.get("name")) for one in data}
     elif isinstance(data, list):
         data = dict(enumerate(data))
-    if not _maps(data) or not data:
+    if not isinstance(data, dict) or not data:
         raise InputError(path, "holds no names.", NAMES_OPTION, code="E-MASKS-NAMES")
     if strange := [key for key in data if not re.fullmatch(r"\d{1,10}|#[0-9a-fA-F]{6}", str(key))]:
         raise InputError(path, f"names {strange[0]!r}, which is no value.", NAMES_OPTION, code="E-MASKS-NAMES")
@@ -63,10 +64,6 @@ def read_names(path: Path) -> tuple[dict[int, str], bool]:
     values = {str(key): name.strip(" .") or name for key, name in data.items()}
     names = {int(key[1:], 16) if key.startswith("#") else int(key): name for key, name in values.items()}
     return names, any(key.startswith("#") for key in values)
-
-
-def _maps(data: Any) -> bool:
-    return isinstance(data, dict)
 
 
 def _load(path: Path) -> Any:
@@ -178,9 +175,8 @@ def read_folder(path: Path, labels: Path | None, width: int, height: int) -> Lab
     found = {number: numbered[number].name for number in sorted(numbered)}
     known = choose_named(path, found, labels, names, "outlines", OUTLINES)
     check_count(path, len(known), width, height)
-    return lay_shapes(
-        path, [MaskShape(names[number], _read_one(numbered[number], width, height)) for number in known], "outlines"
-    )
+    shapes = [MaskShape(names[number], _read_one(numbered[number], width, height)) for number in known]
+    return lay_shapes(path, shapes, "outlines")
 
 
 def _read_one(path: Path, width: int, height: int) -> Mask:

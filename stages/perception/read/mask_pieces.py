@@ -1,6 +1,6 @@
 """What masks show, against depth: a value that lies in two places, and a thing that is shaped as a floor or wall is."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import cv2
@@ -24,14 +24,6 @@ FLAT, SEEN = 0.9, 0.03  # shares of a thing's points, and of the picture's pixel
 ITERATIONS = 200  # of RANSAC, where most points are on the plane or it is none
 
 Mask = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Between:
-    """What lies between two pieces: metres from one to the other; whether it may hide a part of their thing."""
-
-    gap: float
-    hides: bool
 
 
 def split_values(frame: Frame) -> Frame:
@@ -67,30 +59,28 @@ def _find_things(
     Args:
         told_apart: any pieces may be one.
     """
-    _, parts, stats, _ = cv2.connectedComponentsWithStats((values == value).astype(np.uint8), connectivity=8)
-    sizes = stats[1:, cv2.CC_STAT_AREA]
+    parts, sizes = _parts(values == value, 8)
     large = 1 + np.flatnonzero(sizes >= max(LARGE_PIXELS, LARGE_SHARE * sizes.max(initial=0)))
     pieces = [mask for part in large if (mask := (parts == part) & seen.known).any()]
     if len(pieces) < 2:
         return [values == value], 0.0
-    extents = [
-        float(np.linalg.norm(np.ptp(np.percentile(seen.of(piece), (5, 95), axis=0), axis=0))) for piece in pieces
-    ]
+    ranges = [np.percentile(seen.of(piece), (5, 95), axis=0) for piece in pieces]
+    extents = [float(np.linalg.norm(high - low)) for low, high in ranges]
     one, apart = np.eye(len(pieces), dtype=bool), 0.0
     for k, other in combinations(range(len(pieces)), 2):
-        between = _look_between(pieces[k], pieces[other], things & (values != value), seen)
-        near = between.gap <= GAP * min(extents[k], extents[other])
-        one[k, other] = near or between.hides
-        if (between.hides or told_apart) and between.gap > max(extents[k], extents[other]):
-            apart = max(apart, between.gap)
+        gap, hides = _look_between(pieces[k], pieces[other], things & (values != value), seen)
+        one[k, other] = gap <= GAP * min(extents[k], extents[other]) or hides
+        if (hides or told_apart) and gap > max(extents[k], extents[other]):
+            apart = max(apart, gap)
     number, group = connected_components(one, directed=False)
     nearest = distance_transform_edt(~np.any(pieces, axis=0), return_distances=False, return_indices=True)
     owner = np.sum([(1 + group[k]) * piece for k, piece in enumerate(pieces)], axis=0)[tuple(nearest)]
     return [(values == value) & (owner == 1 + k) for k in range(number)], apart
 
 
-def _look_between(piece: Mask, other: Mask, things: Mask, seen: PointMap) -> Between:
-    """Along the line between the pixels at which two pieces (H, W) are nearest to each other."""
+def _look_between(piece: Mask, other: Mask, things: Mask, seen: PointMap) -> tuple[float, bool]:
+    """Metres between two pieces (H, W), and whether what lies on the line between their nearest pixels may hide a part
+    of their thing."""
     away, nearest = distance_transform_edt(~piece, return_indices=True)
     rows, columns = np.nonzero(other)
     k = int(away[rows, columns].argmin())
@@ -103,7 +93,7 @@ def _look_between(piece: Mask, other: Mask, things: Mask, seen: PointMap) -> Bet
     thing = things[line] & (np.abs(found / expected - 1) < BESIDE)
     known = found > 0
     hides = ((found < (1 - NEARER) * expected) | thing)[known]
-    return Between(gap, bool(hides.size and hides.mean() >= 0.5))
+    return gap, bool(hides.size and hides.mean() >= 0.5)
 
 
 def _end_of(piece: Mask, end: NDArray[np.intp], seen: PointMap) -> NDArray[np.float64]:
@@ -120,11 +110,8 @@ def doubt_surfaces(frame: Frame) -> Frame:
     assert frame.masks is not None
     masks, seen = frame.masks, PointMap(frame.depth, frame.intrinsics)
     points, rng = seen.points[seen.known], np.random.default_rng(0)
-    named = [
-        seen.of(masks.values == value)
-        for value, label in masks.labels.items()
-        if surface_of(label) in ("floor", "wall")
-    ]
+    surfaces = [value for value, label in masks.labels.items() if surface_of(label) in ("floor", "wall")]
+    named = [seen.of(masks.values == value) for value in surfaces]
     doubts = dict(masks.doubts)
     for value, label in masks.labels.items():
         own = seen.of(masks.values == value)
@@ -180,9 +167,8 @@ def remove_edges(depth: NDArray[np.float32], masks: NDArray[np.uint16]) -> NDArr
         if np.isin(parts, large).sum() <= MIN_LEFT * mask.sum():
             continue
         body = 1 + int(np.argmax(sizes))
-        inner = np.isin(
-            parts, [part for part in large if part == body or not _continues_outside(parts == part, whole, seen)]
-        )
+        own = [part for part in large if part == body or not _continues_outside(parts == part, whole, seen)]
+        inner = np.isin(parts, own)
         kept = mask & (inner | _as_far_as(inner, seen))
         parts, sizes = _parts(mask & front[near], 8)  # no two neighbours of these are a step apart
         for part in 1 + np.flatnonzero(sizes >= MIN_PART):

@@ -112,12 +112,8 @@ def check_size(path: Path, found: tuple[int, int], width: int, height: int, fix:
         InputError: they are.
     """
     if found != (width, height):
-        raise InputError(
-            path,
-            f"is of {found[0]}x{found[1]} pixels, but the picture has {width}x{height}.",
-            fix or "masks of this very picture",
-            code="E-MASKS-SIZE",
-        )
+        what = f"is of {found[0]}x{found[1]} pixels, but the picture has {width}x{height}."
+        raise InputError(path, what, fix or "masks of this very picture", code="E-MASKS-SIZE")
 
 
 def check_count(path: Path, count: int, width: int, height: int) -> None:

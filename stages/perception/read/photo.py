@@ -58,21 +58,13 @@ def _open_heif(path: Path) -> Iterator[Any]:
         import pillow_heif
     except ImportError:
         mend = "pip install pillow-heif, or save it as JPEG"
-        raise InputError(
-            path, "is a HEIC photograph, which nothing installed here reads.", mend, code="E-LIBRARY-MISSING"
-        ) from None
+        what = "is a HEIC photograph, which nothing installed here reads."
+        raise InputError(path, what, mend, code="E-LIBRARY-MISSING") from None
     try:
         yield pillow_heif.open_heif(path)
     except Exception as error:  # a decoder raises its own kinds for broken data
-        raise InputError(
-            path, f"is not a readable image ({explain(error)}).", "save it as JPEG", code="E-PICTURE-BROKEN"
-        ) from None
-
-
-def _from_heif(path: Path) -> tuple[NDArray[np.uint8], Image.Exif]:
-    with _open_heif(path) as opened:
-        image = opened.to_pillow()  # upright already
-        return np.array(to_srgb(image).convert("RGB")), image.getexif()
+        what = f"is not a readable image ({explain(error)})."
+        raise InputError(path, what, "save it as JPEG", code="E-PICTURE-BROKEN") from None
 
 
 def exif_focal(exif: Image.Exif, width: int, height: int) -> float | None:
@@ -83,10 +75,8 @@ def exif_focal(exif: Image.Exif, width: int, height: int) -> float | None:
         if equivalent > 0:
             found = equivalent / FILM * np.hypot(width, height)
         else:
-            per_mm = (
-                float(fine.get(Base.FocalPlaneXResolution) or 0)
-                / MILLIMETRES[int(fine.get(Base.FocalPlaneResolutionUnit, 2))]
-            )
+            unit = MILLIMETRES[int(fine.get(Base.FocalPlaneResolutionUnit, 2))]
+            per_mm = float(fine.get(Base.FocalPlaneXResolution) or 0) / unit
             found = float(fine.get(Base.FocalLength) or 0) * per_mm
             found *= max(width, height) / float(fine.get(Base.ExifImageWidth) or max(width, height))
     except (ValueError, TypeError, ZeroDivisionError, ArithmeticError, SyntaxError, KeyError):
@@ -104,9 +94,8 @@ def _exif(path: Path) -> tuple[Image.Exif, bool]:
 def _check_perspective(path: Path, panorama: bool, width: int, height: int) -> None:
     if panorama or max(width, height) > WIDEST * min(width, height):
         mend = "cut out a part with an ordinary field of view"
-        raise InputError(
-            path, f"is a panorama ({width}x{height}), which has no single perspective.", mend, code="E-PICTURE-PANORAMA"
-        )
+        what = f"is a panorama ({width}x{height}), which has no single perspective."
+        raise InputError(path, what, mend, code="E-PICTURE-PANORAMA")
 
 
 def check_photo(path: Path) -> None:
@@ -148,8 +137,9 @@ def read_photo(path: Path, lens: Path | None = None) -> Photo:
     """
     check_file(path)
     if _is_heif(path):
-        rgb, exif = _from_heif(path)
-        panorama = False
+        with _open_heif(path) as opened:
+            image = opened.to_pillow()  # upright already
+            rgb, exif, panorama = np.array(to_srgb(image).convert("RGB")), image.getexif(), False
     else:
         rgb, (exif, panorama) = read_rgb(path), _exif(path)
     height, width = rgb.shape[:2]

@@ -74,10 +74,8 @@ class Chooser:
         known = [one for one in proposals if one.known >= KNOWN]
         for one in sorted(known, key=lambda one: -one.known):
             free = one.mask & ~taken
-            if (
-                free.sum() >= max(MIN_PIXELS, FREE_KNOWN * one.mask.sum())
-                and share(self.floor, free) <= ON_GROUND_KNOWN
-            ):
+            enough = free.sum() >= max(MIN_PIXELS, FREE_KNOWN * one.mask.sum())
+            if enough and share(self.floor, free) <= ON_GROUND_KNOWN:
                 hung = share(self.beyond, free & (self.depth > 0)) > ON_WALL and self.hangs_flat(free)
                 chosen.append(Choice(one, free, hung))
                 taken |= free
@@ -106,13 +104,8 @@ class Chooser:
         tall, rest = one.mask.any(axis=1).sum(), one.mask.copy()
         for part in sorted(proposals, key=lambda part: -part.score):
             inside = part.mask & one.mask
-            is_piece = MIN_PIECE < share(part.mask, one.mask) < 1 - MIN_PIECE
-            if (
-                is_piece
-                and share(one.mask, part.mask) > IN_ROW
-                and inside.any(axis=1).sum() > FREE * tall
-                and share(rest, inside) > IN_ROW
-            ):
+            is_piece = MIN_PIECE < share(part.mask, one.mask) < 1 - MIN_PIECE and share(one.mask, part.mask) > IN_ROW
+            if is_piece and inside.any(axis=1).sum() > FREE * tall and share(rest, inside) > IN_ROW:
                 rest &= ~inside
         return share(rest, one.mask) < 1 - IN_ROW
 

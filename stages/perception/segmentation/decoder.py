@@ -60,10 +60,8 @@ class TwoWayLayer(nn.Module):
         super().__init__()
         self.first = first
         self.self_attn = TokenAttention(WIDTH)
-        self.cross_attn_token_to_image, self.cross_attn_image_to_token = (
-            TokenAttention(WIDTH // 2),
-            TokenAttention(WIDTH // 2),
-        )
+        self.cross_attn_token_to_image = TokenAttention(WIDTH // 2)
+        self.cross_attn_image_to_token = TokenAttention(WIDTH // 2)
         self.mlp = nn.ModuleDict({"lin1": nn.Linear(WIDTH, 8 * WIDTH), "lin2": nn.Linear(8 * WIDTH, WIDTH)})
         self.norm1, self.norm2, self.norm3, self.norm4 = (nn.LayerNorm(WIDTH) for _ in range(4))
 
@@ -71,9 +69,8 @@ class TwoWayLayer(nn.Module):
         """Tokens (N, T, WIDTH) and picture (N or 1, P, WIDTH) anew; `prompt`, `places`: what says where they are."""
         asked = tokens if self.first else tokens + prompt
         tokens = self.norm1(self.self_attn(asked, asked, tokens) + (0 if self.first else tokens))
-        tokens = self.norm2(
-            tokens + self.cross_attn_token_to_image.to_picture(tokens + prompt, picture + places, picture)
-        )
+        seen = self.cross_attn_token_to_image.to_picture(tokens + prompt, picture + places, picture)
+        tokens = self.norm2(tokens + seen)
         tokens = self.norm3(tokens + self.mlp["lin2"](self.mlp["lin1"](tokens).relu()))
         taken = self.cross_attn_image_to_token.from_picture(picture + places, tokens + prompt, tokens)
         return tokens, self.norm4(picture + taken)
@@ -167,9 +164,8 @@ class PromptEncoder(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         self.pe_layer = nn.ParameterDict({"positional_encoding_gaussian_matrix": torch.zeros(2, WIDTH // 2)})
-        self.point_embeddings: Any = nn.ModuleList(
-            [nn.Embedding(1, WIDTH) for _ in range(4)]
-        )  # outside, inside, corners
+        # Outside, inside, corners.
+        self.point_embeddings: Any = nn.ModuleList([nn.Embedding(1, WIDTH) for _ in range(4)])
         self.not_a_point_embed, self.no_mask_embed = nn.Embedding(1, WIDTH), nn.Embedding(1, WIDTH)
 
     def locate(self, points: Tensor) -> Tensor:

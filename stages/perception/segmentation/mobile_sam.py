@@ -65,9 +65,8 @@ class MobileSam:
         try:
             self._network.load_state_dict(used)
         except RuntimeError as error:
-            raise InputError(
-                path, f"holds other weights: {error}", "remove it and fetch it again", code="E-WEIGHTS-OTHER"
-            ) from None
+            what = f"holds other weights: {error}"
+            raise InputError(path, what, "remove it and fetch it again", code="E-WEIGHTS-OTHER") from None
         self._network.eval().requires_grad_(False)
         self._network.image_encoder.fuse()
         self._network.image_encoder.to(memory_format=torch.channels_last)

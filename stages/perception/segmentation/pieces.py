@@ -25,10 +25,8 @@ WHOLE, CUT = 0.9, 0.8  # scores of pieces, and of those that are cut at hollows;
 def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:
     """The pieces, and what they fall into at hollows."""
     surfaces = view.surfaces
-    points, depth = (
-        np.asarray(cv2.resize(each, view.small, interpolation=cv2.INTER_NEAREST), np.float64)
-        for each in (surfaces.points, view.depth)
-    )
+    points = np.asarray(cv2.resize(surfaces.points, view.small, interpolation=cv2.INTER_NEAREST), np.float64)
+    depth = np.asarray(cv2.resize(view.depth, view.small, interpolation=cv2.INTER_NEAREST), np.float64)
     free = (depth > 0) & ~view.shrink(surfaces.floor | surfaces.beyond | view.border)
     bends, level = measure_bends(points, free, surfaces.frame[:3, 3])
     heights = np.where(level, points[..., 2], np.nan)

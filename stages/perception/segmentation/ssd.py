@@ -102,10 +102,8 @@ def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:
     outlines = view.embedded.outline_boxes([box.box for box in boxes])
     best = outlines.scores.argmax(axis=1)
     scores = outlines.scores * outlines.stability
-    return [
-        Proposal(outlines.logits[k, b], float(scores[k, b]), "ssd", box.scores, box.box)
-        for k, (box, b) in enumerate(zip(boxes, best, strict=True))
-    ]
+    every = enumerate(zip(boxes, best, strict=True))
+    return [Proposal(outlines.logits[k, b], float(scores[k, b]), "ssd", box.scores, box.box) for k, (box, b) in every]
 
 
 def find_boxes(rgb: NDArray[np.uint8]) -> list[DetectedBox]:

@@ -1,5 +1,6 @@
 """TinyViT-5M as MobileSAM's image encoder: convolutions, then attention in windows (Wu et al., TinyViT, ECCV 2022)."""
 
+from functools import partial
 from typing import Any
 
 import torch
@@ -124,12 +125,9 @@ class Stage(nn.Module):
     def __init__(self, stage: int) -> None:
         super().__init__()
         width, heads, window = WIDTHS[stage], HEADS[stage], WINDOWS[stage]
-        of_stage: Any = (
-            (lambda: WindowBlock(width, heads, window))
-            if stage
-            else (lambda: Bottleneck(width, 4 * width, width, 1, True))
-        )
-        self.blocks = nn.Sequential(*(of_stage() for _ in range(DEPTHS[stage])))
+        kind: Any = partial(WindowBlock, width, heads, window)
+        kind = kind if stage else partial(Bottleneck, width, 4 * width, width, 1, True)
+        self.blocks = nn.Sequential(*(kind() for _ in range(DEPTHS[stage])))
         self.downsample: nn.Module = nn.Identity()
         if stage < 3:
             after = WIDTHS[stage + 1]
@@ -146,9 +144,8 @@ class TinyViT(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         first = WIDTHS[0]
-        self.patch_embed = nn.ModuleDict(
-            {"seq": nn.Sequential(ConvNorm(3, first // 2, 3, 2), nn.GELU(), ConvNorm(first // 2, first, 3, 2))}
-        )
+        seq = nn.Sequential(ConvNorm(3, first // 2, 3, 2), nn.GELU(), ConvNorm(first // 2, first, 3, 2))
+        self.patch_embed = nn.ModuleDict({"seq": seq})
         self.layers = nn.Sequential(*map(Stage, range(4)))
         self.neck = nn.Sequential(
             nn.Conv2d(WIDTHS[-1], EMBEDDING, 1, bias=False),

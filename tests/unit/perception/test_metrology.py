@@ -7,7 +7,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from roomkin.stages.geometry.boxes import UprightBox, corners, oriented_iou
 from roomkin.stages.geometry.frames import rotation_of
@@ -226,11 +225,11 @@ def test_any_known_length_gives_the_scale(scale: Scale) -> None:
     assert solved.notes == {} and solved.view.above == pytest.approx(1.6, rel=5e-3)
     for name, true in {"mug": mug, "cabinet": BOX, "hung": hung}.items():
         assert np.linalg.norm(np.subtract(solved.boxes[name].center, true.center)) < 0.03, name
-    assert support_at(drawing, solved, _seen(mug, 0)[0]) == "cabinet"
+    assert support_at(solved, _seen(mug, 0)[0]) == "cabinet"
     u, v = VIEW.project([0.6, 2.95, 0.9])  # the front edge of the top, missed by four pixels, then by more
-    assert support_at(drawing, solved, (u, v + 4)) == "cabinet" != support_at(drawing, solved, (u, v + 20))
-    assert support_at(drawing, solved, (400, 590)) == "floor"
-    assert support_at(drawing, solved, _seen(hung, 5)[0]) == "back"
+    assert support_at(solved, (u, v + 4)) == "cabinet" != support_at(solved, (u, v + 20))
+    assert support_at(solved, (400, 590)) == "floor"
+    assert support_at(solved, _seen(hung, 5)[0]) == "back"
 
 
 def test_what_has_no_place_does_not_stop_the_rest() -> None:
@@ -265,35 +264,31 @@ def test_a_thing_whose_top_was_not_marked_says_nothing_of_the_camera_s_height() 
     assert factors[0] is None and factors[1] is not None and factors[1] > 2
 
 
-def _grey() -> NDArray[np.uint8]:
-    return np.asarray(cv2.imread(str(ROOM / "rgb.jpg"), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
-
-
 def test_the_camera_is_proposed_from_a_picture_alone() -> None:
-    grey = _grey()
-    height, width = grey.shape
+    rgb = np.asarray(cv2.imread(str(ROOM / "rgb.jpg"))[..., ::-1], dtype=np.uint8)
+    height, width = rgb.shape[:2]
     true = json.loads((ROOM / "camera.json").read_text())["intrinsics"][0][0]
     up = np.array(json.loads((ROOM / "truth.json").read_text())["world_from_camera"])[2, :3]
-    proposed = propose(grey, usual_focal(width, height, None))
+    proposed = propose(rgb, usual_focal(width, height, None))
     view = fit_view(proposed, width, height)
     assert view.focal == pytest.approx(true, rel=0.03)
     assert np.rad2deg(np.arccos(view.rotation[2] @ up)) < 0.5
     assert {guide.axis for guide in proposed.guides} == {"x", "y", "z"}
-    assert propose(grey, usual_focal(width, height, None)) == proposed
-    known = propose(grey, Perspective(likely_focal=true, spread=0.03))
+    assert propose(rgb, usual_focal(width, height, None)) == proposed
+    known = propose(rgb, Perspective(likely_focal=true, spread=0.03))
     assert fit_view(known, width, height).focal == pytest.approx(true, rel=0.01)
-    nothing = propose(np.full((300, 400), 90, np.uint8), usual_focal(400, 300, None))
+    nothing = propose(np.full((300, 400, 3), 90, np.uint8), usual_focal(400, 300, None))
     assert nothing.guides == [] and fit_view(nothing, 400, 300).focal == pytest.approx(320, rel=0.01)
 
 
 def test_a_camera_that_sees_no_floor_is_not_proposed() -> None:
     """Lines of a ceiling 40 degrees up: who draws stands over a floor or a table, and sees it."""
     up = PinholeView(640, 480, 520.0, rotation_of(0.2, np.deg2rad(40), 0.0))
-    drawn = np.full((480, 640), 90, np.uint8)
+    drawn = np.full((480, 640, 3), 90, np.uint8)
     for k in np.linspace(-6, 6, 13):
         for ends in ([[k, 1.0, 3.0], [k, 9.0, 3.0]], [[-6.0, 5 + k / 2, 3.0], [6.0, 5 + k / 2, 3.0]]):
             a, b = np.rint(up.project(ends)).astype(int).tolist()
-            cv2.line(drawn, a, b, 220, 2, cv2.LINE_AA)
+            cv2.line(drawn, a, b, (220, 220, 220), 2, cv2.LINE_AA)
     view = fit_view(propose(drawn, usual_focal(640, 480, None)), 640, 480)
     bottom = view.rays([[0.0, 479.0], [639.0, 479.0]])
     assert (bottom[:, 2] < 0).all()
