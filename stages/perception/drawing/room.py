@@ -68,7 +68,7 @@ def draw_room(name: str, room: FittedRoom, masks: NDArray[np.integer], labels: M
                 label=labels[value],
                 on="floor" if on == 0 else f"wall_{-on}" if on < 0 else f"thing_{on}",
                 points=points,
-                free=not along_room(box),
+                free=bool(abs(np.sin(2 * box.yaw)) >= ALONG),
                 depth=None if len(points) > (2 if on < 0 else 3) else round(float(box.size[1]), 3),
                 articulated=says_opening(labels[value]),
                 outline=rings[0] if rings else [],
@@ -128,11 +128,6 @@ def keep_carried(objects: list[DrawnObject], walls: list[str]) -> list[DrawnObje
     there = {"floor", *walls, *(item.id for item in objects)}
     kept = [item for item in objects if item.on in there]
     return kept if len(kept) == len(objects) else keep_carried(kept, walls)
-
-
-def along_room(box: UprightBox) -> bool:
-    """Whether the sides of a box run along the axes of the room."""
-    return abs(float(np.sin(2 * box.yaw))) < ALONG
 
 
 def draw_wall(view: PinholeView, name: str, wall: UprightPlane) -> DrawnWall | None:

@@ -17,16 +17,9 @@ from scipy.sparse import csr_array
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import rotation_of
 from roomkin.stages.geometry.robust import UNUSUAL
+from roomkin.stages.perception.camera import perspective
 from roomkin.stages.perception.camera.metrology import PinholeView
-from roomkin.stages.perception.camera.perspective import (
-    AXES,
-    SURE,
-    USUAL,
-    Perspective,
-    angles_of,
-    measure_misses,
-    weigh_residuals,
-)
+from roomkin.stages.perception.camera.perspective import Perspective, angles_of, measure_misses, weigh_residuals
 from roomkin.stages.perception.classification.names import ODD
 from roomkin.stages.perception.layout.ends import FitItem
 
@@ -192,12 +185,12 @@ class Layout:
 def measure_camera(camera: CameraPrior, state: Array) -> Array:
     """Deviations (C,) of the camera from its lines, a usual direction, its focal length and a usual height."""
     given, view = camera.given, camera.view_of(state)
-    axes = np.array([AXES.index(line.axis) for line in given.guides], dtype=int)
+    axes = np.array([perspective.AXES.index(line.axis) for line in given.guides], dtype=int)
     ends = np.array([(line.a, line.b) for line in given.guides], dtype=float).reshape(-1, 2, 2)
     focal = (state[3] - np.log(given.likely_focal)) / given.spread
     height = (state[4] - HEIGHT[0]) / HEIGHT[1]
     lines = weigh_residuals(measure_misses(view, axes, ends))
-    return np.concatenate([lines, (state[:3] - USUAL) / SURE, [focal, height]])
+    return np.concatenate([lines, (state[:3] - perspective.USUAL) / perspective.SURE, [focal, height]])
 
 
 def list_carriers(items: Sequence[FitItem], k: int) -> list[int]:

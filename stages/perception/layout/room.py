@@ -187,7 +187,7 @@ def scale_room(room: FittedRoom, labels: Mapping[int, str], heights: Mapping[str
     return replace(room, view=view, spread=spread, walls=walls, boxes=boxes)
 
 
-def describe_camera(room: FittedRoom) -> str:
+def tell_camera(room: FittedRoom) -> str:
     """The camera, each number with its spread (one standard deviation), for people."""
     view, spread = room.view, room.spread
     down = float(np.degrees(np.arcsin(-view.rotation[2, 2])))

@@ -78,7 +78,8 @@ def _read_image(path: Path) -> NDArray[Any]:
         numbers = np.asarray(ImageOps.exif_transpose(image))
         if image.format != "PPM":
             return numbers
-        return np.rint(numbers * (_largest_of_pgm(path) / 65535)).astype(np.int32)  # Pillow scales them to 65535
+        head = re.sub(rb"#[^\n]*", b"", path.read_bytes()[:1000])  # its fourth word: the largest number
+        return np.rint(numbers * (int(head.split()[3]) / 65535)).astype(np.int32)  # Pillow scales them to 65535
 
 
 CONFIDENCE = "the confidence of this very depth, or delete it"
@@ -100,13 +101,6 @@ def remove_unsure(raw: NDArray[Any], path: Path) -> tuple[NDArray[Any], str]:
         what = f"has shape {sure.shape}, the depth {raw.shape}."
         raise InputError(path, what, CONFIDENCE, code="E-DEPTH-SIZE")
     return np.where(sure == 0, 0, raw), f"{100 * (sure == 0).mean():.0f} % of it left out, of low confidence"
-
-
-def _largest_of_pgm(path: Path) -> int:
-    """The fourth word of the header, of which comments are no part."""
-    with path.open("rb") as file:
-        head = re.sub(rb"#[^\n]*", b"", file.read(1000))
-    return int(head.split()[3])
 
 
 def convert_to_metres(

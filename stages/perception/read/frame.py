@@ -6,7 +6,7 @@ Measured on ray-cast rooms and on the frames of real cameras: docs/results/your-
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -193,7 +193,9 @@ def doubt_depth(depth: NDArray[np.float32], rgb: NDArray[np.uint8], masks: NDArr
     edges = _find_edges(rgb, masks)
     shows_much = bool(np.median(edges) > 0)
     edges = np.pad(edges, depth.shape[1], constant_values=-1)
-    moves = list(_list_moves(depth.shape[1]))
+    farthest = round(FARTHEST * depth.shape[1]) // APART * APART
+    tried = range(-farthest, farthest + 1, APART)
+    moves = [(right, down) for right in tried for down in tried]
     here = _fit(edges, steps, 1.0, [(0, 0)])
     moved = _fit(edges, steps, 1.0, moves)
     best = max(moved, *(_fit(edges, steps, zoom, moves) for zoom in ZOOMS if zoom != 1))
@@ -264,11 +266,3 @@ def _fit(edges: Edges, steps: NDArray[np.float64], zoom: float, moves: list[tupl
     fits = np.where(inside, found, 0).sum(axis=1) / np.maximum(inside.sum(axis=1), len(steps) / 2)
     best = int(fits.argmax())
     return Place(float(fits[best]), zoom, *moves[best])
-
-
-def _list_moves(width: int) -> Iterator[tuple[int, int]]:
-    """Pixels to the right and down."""
-    farthest = round(FARTHEST * width) // APART * APART
-    for right in range(-farthest, farthest + 1, APART):
-        for down in range(-farthest, farthest + 1, APART):
-            yield right, down

@@ -106,14 +106,13 @@ def read_frame(view: ViewFiles, unit: str, depth_is: str, masks: Path | None, la
         frame = replace(frame, depth=along_axis(frame.depth, frame.intrinsics))
     doubts = []
     if flatter := find_flatter(frame.depth, frame.intrinsics):
-        found = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
-        doubts.append(found)
-    if found := doubt_depth(frame.depth, frame.rgb, None if frame.masks is None else frame.masks.values):
-        doubts.append(found)
-    for doubt in doubts:
+        form = "ray" if flatter == "ray" else "z"
+        doubts = [f"depth in doubt: floor and walls would be flat with --depth-is {form}"]
+    doubts.append(doubt_depth(frame.depth, frame.rgb, None if frame.masks is None else frame.masks.values))
+    for doubt in filter(None, doubts):
         print(f"{view.depth}: {doubt}")
     check_floor(frame)
-    frame = replace(frame, doubt="; ".join(doubts))
+    frame = replace(frame, doubt="; ".join(filter(None, doubts)))
     return frame if frame.masks is None else doubt_surfaces(split_values(frame))
 
 
@@ -159,7 +158,9 @@ def find_view(path: Path, number: int, camera: CameraReader | None, camera_file:
     color, depth = frames[number]
     if is_tum(path):
         source = [] if camera else ["intrinsics of TUM's tools"]
-        return ViewFiles(color, depth, camera or _make_tum_camera, camera_file, 5000.0, (f"TUM, {color.name}", *source))
+        all_three = make_intrinsics(525.0, 525.0, 319.5, 239.5)  # as they have it for pictures of 640 x 480
+        known = camera or (lambda width, height, _: Lens(scale_intrinsics(all_three, width / 640, height / 480)))
+        return ViewFiles(color, depth, known, camera_file, 5000.0, (f"TUM, {color.name}", *source))
     pictures, images = list_folders(path) or ([], [])
     left = len(pictures) + len(images) - 2 * len(frames)
     notes = [f"{color.name} and {depth.name}" + (f" ({left} files have no partner of their number)" if left else "")]
@@ -183,8 +184,3 @@ def _list_camera_files(path: Path) -> list[Path]:
     own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
     own = [one for one in own if set(re.findall("[a-z]+", one.stem.lower())) & set(COLOR)] or own
     return own or [path / name for name in CAMERA_FILES if (path / name).is_file()][:1]
-
-
-def _make_tum_camera(width: int, height: int, _: str) -> Lens:
-    """All three cameras, as TUM's tools have them for pictures of 640 x 480."""
-    return Lens(scale_intrinsics(make_intrinsics(525.0, 525.0, 319.5, 239.5), width / 640, height / 480))

@@ -19,7 +19,7 @@ from roomkin.stages.perception.classification.propose import (
     observe_looks,
     read_head,
     read_network,
-    share_looks,
+    share_network,
 )
 from tests.unit.perception.conftest import published  # noqa: F401
 
@@ -75,7 +75,7 @@ def test_nothing_to_embed_gives_nothing() -> None:
 
 def test_the_head_names_what_the_shape_network_names() -> None:
     assert read_head()[1] == read_network()[1]
-    share = share_looks(np.eye(512)[0], read_network()[1])
+    share = share_network(read_head(), read_network()[1], torch.eye(512)[0])
     assert share.sum() == pytest.approx(1) and np.ptp(share) > 0
 
 

@@ -11,6 +11,7 @@ from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import back_project, transform_points
+from roomkin.stages.perception.classification import efficientnet
 from roomkin.stages.perception.classification import propose as observed
 from roomkin.stages.perception.classification.names import (
     NO_KIND,
@@ -174,7 +175,7 @@ def test_the_classifier_needs_its_weights(monkeypatch: pytest.MonkeyPatch) -> No
     def absent() -> None:
         raise InputError("weights", "are not installed.", "install them", code="E-WEIGHTS-MISSING")
 
-    monkeypatch.setattr(observed, "published_file", absent)
+    monkeypatch.setattr(efficientnet, "published_file", absent)
     observed.classifier.cache_clear()
     assert observed.classifier() is None
     observed.classifier.cache_clear()

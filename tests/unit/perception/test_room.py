@@ -10,7 +10,7 @@ import pytest
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import rotation_of
 from roomkin.stages.perception.camera.metrology import UprightPlane
-from roomkin.stages.perception.draw import describe_camera
+from roomkin.stages.perception.draw import tell_camera
 from roomkin.stages.perception.drawing.room import draw_room, draw_wall
 from roomkin.stages.perception.drawing.solve import solve
 from roomkin.stages.perception.layout.ends import (
@@ -293,9 +293,9 @@ def test_each_number_of_the_camera_has_its_spread(found: FittedRoom) -> None:
 def test_the_camera_is_told_in_metres_degrees_and_pixels(found: FittedRoom) -> None:
     room = replace(found, view=TRUE, spread=Spread(tilt=np.radians(2), height=0.2, focal=0.05), doubt="")
     sides = "above the floor and looks 16.0 degrees (± 2.0) down, its focal length is 520 pixels (± 26)"
-    assert describe_camera(room) == f"the camera is 1.45 m (± 0.29) {sides}"
+    assert tell_camera(room) == f"the camera is 1.45 m (± 0.29) {sides}"
     sure = replace(room, spread=room.spread._replace(height=0.0))
-    assert describe_camera(sure) == f"the camera is 1.45 m {sides}", "a person told it"
+    assert tell_camera(sure) == f"the camera is 1.45 m {sides}", "a person told it"
 
 
 def test_lines_that_no_thing_agrees_with_are_told(found: FittedRoom) -> None:
@@ -303,4 +303,4 @@ def test_lines_that_no_thing_agrees_with_are_told(found: FittedRoom) -> None:
     askew = replace(TRUE, rotation=rotation_of(0.25, -0.28 - np.radians(12), 0.0))
     room = build_once(show_room(), see_lines(view=askew), outline_room(), labels)
     assert found.doubt == "" and "by its lines the camera looks 28 degrees down, by its things 15" in room.doubt
-    assert room.doubt in describe_camera(room)
+    assert room.doubt in tell_camera(room)
