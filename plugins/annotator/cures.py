@@ -28,12 +28,7 @@ def find_beneath(masks: NDArray[np.uint16], value: int) -> int | None:
 def match_walls(
     objects: Objects, depth: NDArray[np.float32], shown: Mapping[int, NDArray[np.bool_]]
 ) -> dict[int, Wall]:
-    """The wall of a run that each mask of a wall shows, by mask value.
-
-    Args:
-        depth: (H, W) metres.
-        shown: the pixels (H, W) of each.
-    """
+    """The wall of a run that each mask of a wall shows, by mask value; `depth`: (H, W) metres; `shown`: (H, W)."""
     seen = PointMap(depth, np.array(objects.intrinsics), np.array(objects.floor_from_camera))
 
     def distance(points: NDArray[np.float64], wall: Wall) -> float:

@@ -131,14 +131,8 @@ def write_seen(out: Path, frame: Frame, seen: Seen) -> None:
 
 
 def see(frame: Frame, options: SeeSection, model: Mapping[str, Any] | None = None, device: str = "cpu") -> Seen:
-    """Ground, walls and things of a frame whose depth has the size of its picture.
-
-    Args:
-        model: the config section `vlm`, for `captions: vlm`.
-
-    Raises:
-        InputError: nothing level is seen, or no thing.
-    """
+    """Ground, walls and things of a frame whose depth has the size of its picture. `model`: the config section `vlm`,
+    for `captions: vlm`. Raises InputError: nothing level is seen, or no thing."""
     captioner = None if options.captions == "labels" else load("captioners", options.captions)(model or {})
     if captioner is not None:
         options = options.model_copy(update={"labels": captioner.list_labels(frame.rgb)})
@@ -154,11 +148,7 @@ def see(frame: Frame, options: SeeSection, model: Mapping[str, Any] | None = Non
 
 
 def look(frame: Frame, device: str = "cpu") -> RoomView:
-    """A frame with its ground and walls.
-
-    Raises:
-        InputError: nothing level is seen.
-    """
+    """A frame with its ground and walls. Raises InputError: nothing level is seen."""
     depth = frame.depth.astype(float)
     surfaces = find_surfaces(depth, frame.intrinsics, TILT, frame.pose)
     if surfaces is None:

@@ -42,10 +42,7 @@ def opens(label: str, proposals: Sequence[LikelyName]) -> bool:
 
 def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     """masks.png and annotations.json; labels say what is floor or wall, and all floors become one.
-
-    Raises:
-        InputError: there is nothing but floor and walls, or a label is no word.
-    """
+    Raises InputError: there is nothing but floor and walls, or a label is no word."""
     for label in masks.labels.values():
         if len(label) > LONGEST_LABEL or not label.isprintable():
             what = f"have the label {label[:40]!r}, which cannot be printed or is too long."
@@ -90,11 +87,7 @@ def doubt_name(proposals: Sequence[LikelyName | Name]) -> list[Doubt]:
 
 
 def check_folder(folder: Path, digest: str) -> None:
-    """Refuse an input folder that holds another picture than that of the file of this SHA-256.
-
-    Raises:
-        InputError: it does.
-    """
+    """Refuse an input folder that holds another picture than that of the file of this SHA-256."""
     camera = folder / "camera.json"
     known = read_json(Camera, camera) if camera.is_file() else None
     if known is not None and digest and known.digest not in ("", digest):

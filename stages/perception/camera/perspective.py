@@ -47,11 +47,7 @@ class Perspective(Contract):
 
 def measure_misses(view: PinholeView, axes: NDArray[np.integer], ends: Points) -> Points:
     """Pixels (N,) by which each line's end misses the line from its middle to the vanishing point of its axis.
-
-    Args:
-        axes: (N,) 0, 1, 2 for x, y, z.
-        ends: (N, 2, 2) pixels of both ends.
-    """
+    `axes`: (N,) 0, 1, 2 for x, y, z. `ends`: (N, 2, 2) pixels of both ends."""
     a, b = ends[:, 0] - view.center, ends[:, 1] - view.center
     middle = (a + b) / 2
     direction = view.rotation[axes]  # of the axis, in the camera frame

@@ -26,14 +26,9 @@ MOST = 0.5  # share of an end next to which something is, from which on it is so
 
 @dataclass(frozen=True)
 class Ends:
-    """The ends of a mask to the left, top, right and bottom.
-
-    Attributes:
-        at: (4,) pixels, signed along `STEPS`: -x0, -y0, x1, y1.
-        cut: (4,) whether the picture's border ends it.
-        met: of each side, the thing that it ends at; 0: none.
-        limit: (4,) where that thing ends, along the same direction.
-    """
+    """The ends of a mask to the left, top, right and bottom. `at`: (4,) pixels, signed along `STEPS`: -x0, -y0, x1, y1.
+    `cut`: (4,) whether the picture's border ends it. `met`: of each side, the thing that it ends at; 0: none.
+    `limit`: (4,) where that thing ends, along the same direction."""
 
     at: Array
     cut: Mask
@@ -50,11 +45,7 @@ def number_masks(masks: Mapping[int, Mask], shape: tuple[int, ...]) -> NDArray[n
 
 
 def measure_ends(masks: NDArray[np.integer], value: int, inside: Mask) -> Ends:
-    """The ends of one of the masks (H, W).
-
-    Args:
-        inside: (H, W) pixels that show something: no frame around the picture.
-    """
+    """The ends of one of the masks (H, W). `inside`: (H, W) pixels that show something: no frame around the picture."""
     height, width = masks.shape
     rows, columns = np.nonzero(masks == value)
     pixels = np.column_stack([columns, rows])
@@ -152,14 +143,8 @@ def usual_of(category: CategoryFacts | None) -> SizeSpread:
 
 
 def find_supports(masks: NDArray[np.integer], known: Mapping[int, Kind], ends: Mapping[int, Ends]) -> dict[int, int]:
-    """What carries each thing: the value of another's mask, `FLOOR`, `WALL`, or `NOWHERE`: it is
-    not seen.
-
-    Args:
-        masks: (H, W).
-        known: what the things are, by the values of their masks.
-        ends: likewise.
-    """
+    """What carries each thing: the value of another's mask, `FLOOR`, `WALL`, or `NOWHERE`: it is not seen.
+    `masks`: (H, W). `known`: what the things are, by the values of their masks. `ends`: likewise."""
     carriers = [value for value, one in known.items() if one.carries]
     on = dict.fromkeys(known, FLOOR)
     for value, one in known.items():

@@ -68,11 +68,7 @@ def find_intrinsics(path: Path, stated: list[float] | dict[str, Any], width: int
 
 
 def check_intrinsics(where: object, intrinsics: Matrix, width: int, height: int) -> Matrix:
-    """K, checked: whether a camera that took a picture of this size can have it.
-
-    Raises:
-        InputError: it cannot.
-    """
+    """K, checked: whether a camera that took a picture of this size can have it. Raises InputError: it cannot."""
     try:
         check_view(width, height, intrinsics.tolist())
     except ValueError as error:

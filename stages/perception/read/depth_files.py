@@ -25,10 +25,7 @@ ARRAYS = (".npy", ".npz")
 
 def read_array(path: Path, name: str) -> NDArray[Any]:
     """The array of an NPY file, or the one of this name or the only one of an NPZ file, without axes of length 1.
-
-    Raises:
-        InputError: several arrays, none of which is called so.
-    """
+    Raises InputError: several arrays, none of which is called so."""
     if path.suffix.lower() == ".npy":
         return np.squeeze(np.asarray(np.load(path, allow_pickle=False)))
     arrays = read_npz(path)
@@ -46,11 +43,8 @@ MIN_RANGE = 2.0  # metres: no camera's range is shorter
 
 
 def read_raw(path: Path) -> NDArray[Any]:
-    """The numbers (h, w) of a depth file, in its own unit.
-
-    Raises:
-        InputError: no depth: missing, of another format, in colors, or with 8 bits.
-    """
+    """The numbers (h, w) of a depth file, in its own unit. Raises InputError: no depth: missing, of another format, in
+    colors, or with 8 bits."""
     if path.suffix.lower() not in DEPTH_FILES:
         what = "is no kind of depth file that is known."
         raise InputError(path, what, f"one of {', '.join(DEPTH_FILES)}", code="E-DEPTH-FORMAT")
@@ -86,15 +80,9 @@ CONFIDENCE = "the confidence of this very depth, or delete it"
 
 
 def remove_unsure(raw: NDArray[Any], path: Path) -> tuple[NDArray[Any], str]:
-    """Depth (h, w) that is unknown (0) where its camera is least sure, and a line with how much that is.
-
-    Args:
-        raw: as stored.
-        path: how sure the camera is, 0 to 2, as phones with LiDAR write it: PNG or NPY.
-
-    Raises:
-        InputError: no such file, or one of another size.
-    """
+    """Depth (h, w) that is unknown (0) where its camera is least sure, and a line with how much that is. `raw`: as
+    stored. `path`: how sure the camera is, 0 to 2, as phones with LiDAR write it: PNG or NPY. Raises InputError: no
+    such file, or one of another size."""
     with explain_unreadable(path, "file of confidence", CONFIDENCE):
         sure = read_array(path, "confidence") if path.suffix.lower() == ".npy" else read_masks(path)
     if sure.shape != raw.shape:
@@ -158,11 +146,8 @@ def find_cut_range(metres: NDArray[np.floating]) -> float | None:
 
 
 def read_exr(path: Path) -> NDArray[Any]:
-    """The channel (h, w) of depth, which is printed if there are others.
-
-    Raises:
-        InputError: OpenEXR is not installed, or no channel, or more than one, is called as depth is.
-    """
+    """The channel (h, w) of depth, which is printed if there are others. Raises InputError: OpenEXR is not installed,
+    or no channel, or more than one, is called as depth is."""
     try:
         import OpenEXR
     except ImportError:
@@ -182,11 +167,8 @@ def read_exr(path: Path) -> NDArray[Any]:
 
 
 def _check_windows(path: Path, header: dict[str, Any]) -> None:
-    """Refuse a part of a picture, or one with a border: it would be stretched over the picture.
-
-    Raises:
-        InputError: the window of its pixels is not the one that is shown.
-    """
+    """Refuse a part of a picture, or one with a border: it would be stretched over the picture. Raises InputError: the
+    window of its pixels is not the one that is shown."""
     data, shown = (np.asarray(header[name]).tolist() for name in ("dataWindow", "displayWindow"))
     if data != shown:
         what = f"holds the pixels {data} of {shown} (dataWindow, displayWindow)."
@@ -195,10 +177,7 @@ def _check_windows(path: Path, header: dict[str, Any]) -> None:
 
 def depth_channel(path: Path, channels: dict[str, NDArray[Any]]) -> str:
     """The name of the depth channel: one called Z or depth, or of a layer called so; else any, if all are the same.
-
-    Raises:
-        InputError: it may be one of several.
-    """
+    Raises InputError: it may be one of several."""
     named = [name for name in channels if "depth" in re.split(r"\W+", name.lower()) or _is_z(name, channels)]
     first, *others = named or list(channels)
     if not all(np.array_equal(channels[first], channels[other], equal_nan=True) for other in others):

@@ -90,10 +90,7 @@ def find_scale(
 
 def choose_stated_scale(path: Path, stated: Sequence[Stated], median: float) -> tuple[float, str]:
     """The number that stands for one metre, and which file states it: the one that makes the median that of a room.
-
-    Raises:
-        InputError: there is none, or several.
-    """
+    Raises InputError: there is none, or several."""
     stating = ", ".join(map(str, stated[:3]))
     fitting: dict[str, tuple[float, Stated]] = {}
     for one in stated:

@@ -38,15 +38,7 @@ class ShapeError(ValueError):
 
 def lay_shapes(path: Path, shapes: Sequence[MaskShape], kind: str) -> Labelled:
     """All shapes in one label image; of two that overlap the smaller one lies on top. Prints how many are used.
-
-    Args:
-        path: of their file.
-        shapes: in its order.
-        kind: what it calls them, in the plural.
-
-    Raises:
-        InputError: no shape has a pixel.
-    """
+    `kind`: what the file calls them, in the plural. Raises InputError: no shape has a pixel."""
     objects: dict[Hashable, Mask] = {}
     members: dict[Hashable, list[MaskShape]] = {}
     remarks: list[tuple[str, str]] = []
@@ -82,11 +74,8 @@ def list_remarks(remarks: Iterable[tuple[str, str]]) -> str:
 
 
 def fill_outline(points: Any, shape: tuple[int, int]) -> Mask:
-    """Pixels (H, W) inside a polygon; its corners, in pixels, are pairs or x and y in turn.
-
-    Raises:
-        ShapeError: no numbers, not in pairs, in shares of the picture, or far outside of it: no corners.
-    """
+    """Pixels (H, W) inside a polygon; its corners, in pixels, are pairs or x and y in turn. Raises ShapeError: no
+    numbers, not in pairs, in shares of the picture, or far outside of it: no corners."""
     try:
         corners = np.asarray(points, dtype=np.float64).ravel()
     except (ValueError, TypeError):
@@ -106,22 +95,14 @@ def list_corners(left: float, top: float, right: float, bottom: float) -> NDArra
 
 
 def check_size(path: Path, found: tuple[int, int], width: int, height: int, fix: str = "") -> None:
-    """Refuse masks of another size (width, height) than the picture's; `fix`: how masks of its size are had.
-
-    Raises:
-        InputError: they are.
-    """
+    """Refuse masks of another size (width, height) than the picture's; `fix`: how masks of its size are had."""
     if found != (width, height):
         what = f"is of {found[0]}x{found[1]} pixels, but the picture has {width}x{height}."
         raise InputError(path, what, fix or "masks of this very picture", code="E-MASKS-SIZE")
 
 
 def check_count(path: Path, count: int, width: int, height: int) -> None:
-    """Refuse so many masks of a picture as fill the memory.
-
-    Raises:
-        InputError: they do.
-    """
+    """Refuse so many masks of a picture as fill the memory."""
     if count * width * height > MAX_BYTES:
         what = f"has {count} masks of this picture or more."
         raise InputError(path, what, "give those of its things alone", code="E-FILE-LARGE")

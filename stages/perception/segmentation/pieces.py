@@ -40,14 +40,9 @@ def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:
 
 
 def join_pixels(depth: Array, heights: Array, free: Mask, joins: list[Mask]) -> NDArray[np.int32]:
-    """The piece (h, w) of every pixel.
-
-    Args:
-        depth: (h, w) metres.
-        heights: (h, w) of what faces up, metres, else NaN.
-        free: (h, w) pixels of things.
-        joins: (h, w) whether a pixel may be joined with its neighbour to the right, and with that below.
-    """
+    """The piece (h, w) of every pixel. `depth`: (h, w) metres. `heights`: (h, w) of what faces up, metres, else NaN.
+    `free`: (h, w) pixels of things. `joins`: (h, w) whether a pixel may be joined with its neighbour to the right, and
+    with that below."""
     number, links = np.arange(depth.size).reshape(depth.shape), []
     for axis, join in zip((1, 0), joins, strict=True):
         one, other = (slice(None),) * axis + (slice(-1),), (slice(None),) * axis + (slice(1, None),)
