@@ -96,10 +96,8 @@ def check_folder(folder: Path, digest: str) -> None:
 
 
 def write_frame(folder: Path, frame: Frame) -> Annotations | None:
-    """Write the input folder with `config.yaml`; without masks rgb.png, camera.json and depth.npz alone.
-
-    With masks, depth of their edges is left out.
-    """
+    """Write the input folder with `config.yaml`; without masks rgb.png, camera.json and depth.npz alone. With masks,
+    depth of their edges is left out."""
     check_folder(folder, frame.digest)
     frame = fit_frame(frame)
     height, width = frame.rgb.shape[:2]
@@ -123,8 +121,7 @@ def is_clone() -> bool:
 
 def to_run(words: str) -> str:
     """A Snakemake command line that works from here: a clone's workflow runs there, or where results are; an installed
-    one everywhere.
-    """
+    one everywhere."""
     home = PACKAGES.parent
     if is_clone():
         return f"snakemake {words}"

@@ -128,11 +128,8 @@ def fit_view(
     given: Perspective, width: int, height: int, start: tuple[float, float, float] | None = None
 ) -> PinholeView:
     """The camera, one metre above the floor, that explains the lines best; usual values where they leave it open.
-
-    Args:
-        given: lines and what was fixed by hand.
-        start: yaw, pitch and roll to begin with, if they are roughly known; else several are tried.
-    """
+    `given`: lines and what was fixed by hand. `start`: yaw, pitch and roll to begin with, if they are roughly known;
+    else several are tried."""
     return _fit(given.model_dump_json(), width, height, start)
 
 

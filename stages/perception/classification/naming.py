@@ -124,10 +124,8 @@ def measure_extents(points: Array) -> Array:
 
 
 def name(view: RoomView, thing: Outlined, known: Mask) -> Names:
-    """The names of a thing by its looks, and by its shape where its depth is to be believed: `known` (H, W).
-
-    A label that a detector was asked for stays, unless it is a category or COCO's: COCO's network was asked for none.
-    """
+    """The names of a thing by its looks, and by its shape where its depth is to be believed: `known` (H, W). A label
+    that a detector was asked for stays, unless it is a category or COCO's: COCO's network was asked for none."""
     told, score = max(thing.words.items(), key=lambda each: each[1], default=("", 0.0))
     if told and told not in COCO_CLASSES.values() and told.replace(" ", "_") not in known_categories():
         return Names([LikelyName(told, score)], 1 - score)

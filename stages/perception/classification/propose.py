@@ -200,10 +200,8 @@ def share_classes(scores: Array, names: Sequence[str]) -> Array:
 
 
 def share_coco(said: Mapping[str, float], names: Sequence[str]) -> Array:
-    """The probability (C,) of each name by a detector's scores of COCO's classes; what they leave is of all alike.
-
-    A detector that was asked for the library's categories answers with their names.
-    """
+    """The probability (C,) of each name by a detector's scores of COCO's classes; what they leave is of all alike. A
+    detector that was asked for the library's categories answers with their names."""
     share = np.zeros(len(names))
     for word, score in said.items():
         meant = read_coco().get(word, {word.replace(" ", "_"): 1.0})
@@ -236,12 +234,9 @@ def combine(said: Array, weights: Exponents) -> Array:
 
 
 def propose_names(observed: Observed, coco: Mapping[str, float] | None = None) -> Names:
-    """The categories, surest first, and how likely it is none of them; every name is as likely before.
-
-    Args:
-        observed: of a mask, see `observe`.
-        coco: what a detector takes it for: scores, 0 to 1, of COCO's classes by their names; None: nothing.
-    """
+    """The categories, surest first, and how likely it is none of them; every name is as likely before. `observed`: of a
+    mask, see `observe`. `coco`: what a detector takes it for: scores, 0 to 1, of COCO's classes by their names; None:
+    nothing."""
     _, names = read_network()
     share = combine(gather(observed, coco, names), Exponents())
     order = np.argsort(-share[:-1], kind="stable")

@@ -32,11 +32,8 @@ def propose_box(
     project: Project, solved: Solved, outlines: list[list[Pixel]], on: str, label: str
 ) -> tuple[str, list[Pixel]]:
     """What carries an outlined thing, and the marks of its box, as a person would click them (`DrawnObject.points`).
-
-    Args:
-        on: the floor, a wall or an object; auto: what its foot is on.
-        label: whose usual sizes tell what the outline does not; empty: unknown.
-    """
+    `on`: the floor, a wall or an object; auto: what its foot is on. `label`: whose usual sizes tell what the outline
+    does not; empty: unknown."""
     hull = cv2.convexHull(np.concatenate([np.asarray(points, np.float32) for points in outlines]))[:, 0].astype(float)
     if on == "auto":
         on = find_carrier(project, solved, hull, label)
@@ -98,8 +95,7 @@ def fit_standing(
     project: Project, view: PinholeView, mask: Mask, on: str, ground: float, label: str
 ) -> tuple[UprightBox, bool]:
     """The box on a level, along the room, that ends where a mask (H, W) does and is about as large as usual; whether
-    that tells how deep it is.
-    """
+    that tells how deep it is."""
     drawn = [polygons(item.outlines, mask.shape) for item in project.objects if item.outlines and item.id != on]
     values, own = number_masks(dict(enumerate([*drawn, mask], 1)), mask.shape), len(drawn) + 1
     ends = measure_all(values, [value for value in range(1, own + 1) if (values == value).any()], np.ones_like(mask))

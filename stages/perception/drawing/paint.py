@@ -69,10 +69,8 @@ def extend(reach: Depth, outline: Mask) -> Depth:
 
 
 def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
-    """Depth and masks of every `stride`-th pixel.
-
-    An outline says which pixels show an object; without one all of its box does, or of the cylinder in it.
-    """
+    """Depth and masks of every `stride`-th pixel. An outline says which pixels show an object; without one all of its
+    box does, or of the cylinder in it."""
     view = solved.view
     names = [*(item.id for item in project.objects), "floor", *(wall.id for wall in project.walls)]
     values = {name: value for value, name in enumerate(names, start=1)}

@@ -123,16 +123,8 @@ def write_folder(
     note: str = "",
 ) -> Written:
     """Write the five files, things.json, and `config.yaml`, which names the folder as a scene of an experiment.
-
-    Args:
-        rgb: the upright picture (H, W, 3).
-        solved: the drawing, solved.
-        depth: (H, W) metres by a sensor or a network; None: the depth of what was drawn.
-        note: how sure the camera is, for people.
-
-    Raises:
-        InputError: nothing was drawn, or nothing of it can be seen.
-    """
+    `depth`: (H, W) metres by a sensor or a network; None: the depth of what was drawn; `note`: how sure the camera is,
+    for people. Raises InputError: nothing was drawn, or nothing of it can be seen."""
     check_folder(folder, project.digest)
     placed = [item for item in project.objects if item.id in solved.boxes]
     painted = paint(project, solved)

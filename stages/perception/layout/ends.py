@@ -214,11 +214,8 @@ class Supported(NamedTuple):
 
 def list_items(masks: NDArray[np.integer], labels: Mapping[int, str], inside: Mask) -> Supported:
     """The things of masks (H, W); where nothing stands that only the floor carries, a table top may be the ground.
-
-    Args:
-        labels: of the things, by the values of their masks.
-        inside: (H, W) pixels that show something: no frame around the picture.
-    """
+    `labels`: of the things, by the values of their masks. `inside`: (H, W) pixels that show something: no frame around
+    the picture."""
     kinds = {value: kind_of(label) for value, label in labels.items()}
     ends = measure_all(masks, list(labels), inside)
     on = find_supports(masks, kinds, ends)

@@ -55,11 +55,8 @@ class CameraPrior:
 
 
 class Layout:
-    """The fit of some things.
-
-    A state is (5 + 5 N,): the camera's yaw, pitch, roll and the logarithms of its focal length and height; each thing's
-    bearing, and the logarithms of its distance on the floor and of its extents.
-    """
+    """The fit of some things. A state is (5 + 5 N,): the camera's yaw, pitch, roll and the logarithms of its focal
+    length and height; each thing's bearing, and the logarithms of its distance on the floor and of its extents."""
 
     def __init__(self, camera: CameraPrior, items: Sequence[FitItem]) -> None:
         self.camera, self.items = camera, items

@@ -163,14 +163,9 @@ def _camera_of(entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def matrix_of(numbers: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[float, float] | None]:
-    """K (3, 3) and the picture's size, if it is among the numbers.
-
-    They are fx, fy, cx, cy; with width and height before or after them; or a matrix of 3x3, 3x4 or 4x4, row by row or
-    column by column.
-
-    Raises:
-        ValueError: they are none of these, or have a skew.
-    """
+    """K (3, 3) and the picture's size, if it is among the numbers. They are fx, fy, cx, cy; with width and height
+    before or after them; or a matrix of 3x3, 3x4 or 4x4, row by row or column by column. Raises ValueError: they are
+    none of these, or have a skew."""
     if len(numbers) == 4:
         return make_intrinsics(*numbers), None
     if len(numbers) == 6:

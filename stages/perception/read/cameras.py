@@ -31,10 +31,8 @@ def intrinsics_of_view(degrees: float, width: int, height: int) -> Matrix:
 
 
 def intrinsics_of_camera(name: str, width: int, height: int) -> Matrix:
-    """K of a camera by its name, as its maker describes it: about 2 % off, as single cameras differ.
-
-    A picture that is higher than wide is one of a camera that was held upright.
-    """
+    """K of a camera by its name, as its maker describes it: about 2 % off, as single cameras differ. A picture that is
+    higher than wide is one of a camera that was held upright."""
     if name not in FIELDS_OF_VIEW:
         fix = f"{suggest_nearest(name, FIELDS_OF_VIEW)} (or {KNOWS})"
         raise InputError("--camera", f"'{name}' is not known.", fix, code="E-CAMERA-NAME")
@@ -44,13 +42,9 @@ def intrinsics_of_camera(name: str, width: int, height: int) -> Matrix:
 
 
 def find_intrinsics(path: Path, stated: list[float] | dict[str, Any], width: int, height: int) -> Matrix:
-    """K for a picture of this size, from what a file states (`contents`), of any usual layout (docs/your-data.md).
-
-    If the file states another size of the same proportions, K is scaled to the picture, which is printed.
-
-    Raises:
-        InputError: nothing of the kind, or a camera that cannot have taken a picture of this size.
-    """
+    """K for a picture of this size, from what a file states (`contents`), of any usual layout (docs/your-data.md). If
+    the file states another size of the same proportions, K is scaled to the picture, which is printed.
+    Raises InputError: nothing of the kind, or a camera that cannot have taken a picture of this size."""
     try:
         found, size = (
             read_names(path, stated, width, height) if isinstance(stated, dict) else matrix_of(np.array(stated))
@@ -78,11 +72,8 @@ def check_intrinsics(where: object, intrinsics: Matrix, width: int, height: int)
 
 def read_names(path: Path, known: dict[str, Any], width: int, height: int) -> tuple[Matrix, tuple[float, float] | None]:
     """K and the size of its picture, if it is stated, from plain names; width, height: of our picture.
-
-    Raises:
-        InputError: it holds none, one that is no pinhole camera's, or one of a part of the picture.
-        ValueError, TypeError, KeyError: its values are no numbers.
-    """
+    Raises InputError: it holds none, one that is no pinhole camera's, or one of a part of the picture. Raises
+    ValueError, TypeError, KeyError: its values are no numbers."""
     model = str(find_first(known, "cameramodel", "cameratype", "projection") or "").lower()
     if set(model.replace("_", " ").replace("-", " ").split()) & NO_PINHOLE:
         model = str(known.get("distortionmodel") or model) if model == "unread" else model

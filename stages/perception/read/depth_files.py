@@ -133,8 +133,7 @@ def convert_to_metres(
 
 def find_cut_range(metres: NDArray[np.floating]) -> float | None:
     """The distance at which depth (h, w) in metres is cut off: the largest, of whole half metres, and many times as
-    common as any a little nearer. A wall at exactly that distance, seen straight on, is mistaken for the cut.
-    """
+    common as any a little nearer. A wall at exactly that distance, seen straight on, is mistaken for the cut."""
     found, counts = count_values(metres)
     if len(found) <= MIN_VALUES:
         return None

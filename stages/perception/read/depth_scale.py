@@ -68,13 +68,9 @@ def find_stated_units(depth: Path, about: Path | None = None) -> list[Stated]:
 def find_scale(
     path: Path, known: NDArray[Any], unit: str, stated: Sequence[Stated], usual: float | None
 ) -> tuple[float, str]:
-    """The number that stands for one metre of depth with the `known` numbers (N,), and its source in words.
-
-    It is that of `unit` unless this is auto, else the one that files state, else the `usual` one, else the median's.
-
-    Raises:
-        InputError: there is none, or several.
-    """
+    """The number that stands for one metre of depth with the `known` numbers (N,), and its source in words. It is that
+    of `unit` unless this is auto, else the one that files state, else the `usual` one, else the median's.
+    Raises InputError: there is none, or several."""
     median = float(np.median(known))
     if unit != "auto":
         per_metre, how = _read_unit(unit), "as stated"

@@ -244,10 +244,8 @@ def _find_edges(rgb: NDArray[np.uint8], masks: NDArray[np.uint16] | None) -> Edg
 
 
 def _fit(edges: Edges, steps: NDArray[np.float64], zoom: float, moves: list[tuple[int, int]]) -> Place:
-    """The best of the moves of steps (N, 2: rows and columns from the center) that are shown `zoom` times larger.
-
-    Edges below 0 lie beyond the picture; of steps there, up to half of all, nothing is known.
-    """
+    """The best of the moves of steps (N, 2: rows and columns from the center) that are shown `zoom` times larger. Edges
+    below 0 lie beyond the picture; of steps there, up to half of all, nothing is known."""
     wide = edges.shape[1]
     rows, columns = np.rint((np.array(edges.shape) - 1) / 2 + zoom * steps).astype(int).T
     flat = rows * wide + columns

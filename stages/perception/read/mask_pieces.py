@@ -100,10 +100,8 @@ def _end_of(piece: Mask, end: NDArray[np.intp], seen: PointMap) -> NDArray[np.fl
 
 
 def doubt_surfaces(frame: Frame) -> Frame:
-    """The frame in which things are doubted that are flat and behind which nothing lies, as of floors and walls.
-
-    What lies in the plane of a named floor or wall is a rug, a picture or a door.
-    """
+    """The frame in which things are doubted that are flat and behind which nothing lies, as of floors and walls. What
+    lies in the plane of a named floor or wall is a rug, a picture or a door."""
     assert frame.masks is not None
     masks, seen = frame.masks, PointMap(frame.depth, frame.intrinsics)
     points, rng = seen.points[seen.known], np.random.default_rng(0)

@@ -23,8 +23,7 @@ FARTHEST_OUT = 2  # times the picture's longer side: no corner that somebody dre
 @dataclass(frozen=True)
 class MaskShape:
     """One shape or annotation: its label; its pixels (H, W), if any; a remark on it. Shapes of one label and group are
-    one object.
-    """
+    one object."""
 
     label: str
     mask: Mask | None = None

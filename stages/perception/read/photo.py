@@ -112,8 +112,7 @@ def check_photo(path: Path) -> None:
 
 def shows_all_around(rgb: NDArray[np.uint8]) -> bool:
     """Whether a picture (H, W, 3) is of all directions (equirectangular): twice as wide as high, its left side goes on
-    at its right one, and its first and last row are one point each. In no crop of a photograph all of this is so.
-    """
+    at its right one, and its first and last row are one point each. In no crop of a photograph all of this is so."""
     if is_stretched((rgb.shape[1], rgb.shape[0]), (2, 1)):
         return False
     small = cv2.resize(rgb, (SMALL, SMALL // 2), interpolation=cv2.INTER_AREA).astype(np.int16)

@@ -69,18 +69,9 @@ def choose_camera(given: Sequence[str]) -> tuple[CameraReader | None, Path | Non
 
 
 def read_frame(view: ViewFiles, unit: str, depth_is: str, masks: Path | None, labels: Path | None) -> Frame:
-    """Picture, depth, camera and masks of a view. What is lost of the masks is printed.
-
-    Args:
-        view: the files.
-        unit: of the depth, as of `convert_to_metres`.
-        depth_is: z or ray: what the numbers are distances along.
-        masks: a file of masks.
-        labels: names of their values.
-
-    Raises:
-        InputError: one of its files cannot be used, or they do not lie on each other.
-    """
+    """Picture, depth, camera and masks of a view. What is lost of the masks is printed. `unit`: of the depth, as
+    of `convert_to_metres`; `depth_is`: z or ray: what the numbers are distances along; `labels`: names of the masks'
+    values. Raises InputError: one of its files cannot be used, or they do not lie on each other."""
     rgb = read_rgb(view.color)
     check_shown(view.color, rgb)
     check_upright(view.color)
