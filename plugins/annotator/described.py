@@ -15,6 +15,8 @@ from roomkin.stages.perception.drawing.room import area_of
 from roomkin.stages.perception.drawing.solve import Solved
 
 LONGEST = 400  # pixels of its longer side
+GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
+Answer = dict[str, Any]
 
 
 def rectify_front(rgb: NDArray[np.uint8], pixels: NDArray[np.float64], width: float, height: float) -> dict[str, Any]:
@@ -38,10 +40,6 @@ def jpeg(rgb: NDArray[np.uint8]) -> bytes:
     done, data = cv2.imencode(".jpg", rgb[..., ::-1])
     assert done
     return data.tobytes()
-
-
-GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
-Answer = dict[str, Any]
 
 
 def _lines(view: PinholeView, ends: NDArray[np.float64]) -> list[list[list[float]]]:

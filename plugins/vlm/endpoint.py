@@ -21,6 +21,13 @@ from roomkin.stages.contracts.files import Contract, Document, read_json, write_
 from roomkin.stages.contracts.types import Count, NonNegative, Text
 
 AGAIN = "delete the file, and it is asked again"
+ROUNDS = 3  # encodings within each other that are undone
+SHORTEST = 8  # letters and digits of a key that is looked for: shorter ones are words
+RETRIES = 4  # after a busy server or no reply, at longer and longer pauses, or when the server says
+BUSY = (408, 409, 429)
+MAX_QUOTED = 300  # characters of a message or of a bad answer that are repeated
+HIDDEN = "***"
+ESCAPED = re.compile(r"\\u([0-9a-fA-F]{4})")  # a letter in JSON
 
 
 class Exchange(Contract):
@@ -118,10 +125,6 @@ if TYPE_CHECKING:
     import openai
 
 
-ROUNDS = 3  # encodings within each other that are undone
-SHORTEST = 8  # letters and digits of a key that is looked for: shorter ones are words
-
-
 def holds_key(text: str, key: str) -> bool:
     """Whether a text has a key as escapes of JSON, of addresses or of HTML, cut by other characters, turned round, in
     base64 or 32, as hexadecimal numbers, or in ROT13; small and capital letters alike."""
@@ -153,13 +156,6 @@ def _decode(text: str) -> str:
 def _letters(text: str) -> str:
     """Letters and digits alone: what cuts a key, seen or not, falls out."""
     return re.sub("[^a-z0-9]", "", text.lower())
-
-
-RETRIES = 4  # after a busy server or no reply, at longer and longer pauses, or when the server says
-BUSY = (408, 409, 429)
-MAX_QUOTED = 300  # characters of a message or of a bad answer that are repeated
-HIDDEN = "***"
-ESCAPED = re.compile(r"\\u([0-9a-fA-F]{4})")  # a letter in JSON
 
 
 class UnreachedError(Exception):

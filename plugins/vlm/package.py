@@ -11,6 +11,7 @@ from roomkin.stages.contracts.section import NotNegative, Section, unfit
 
 VARIABLE = "[A-Za-z_][A-Za-z0-9_]*"  # name of one of the environment
 OURS = {"model", "messages", "response_format", "stream", "n"}  # of a request
+ABOUT = "The language model that sees, for the judge `vlm` and for `perception.captions: vlm` (docs/vlm.md)."
 
 
 class VlmConfig(Section):
@@ -112,7 +113,6 @@ def keys(config: Any) -> list[str] | None:
     return asked or None
 
 
-ABOUT = "The language model that sees, for the judge `vlm` and for `perception.captions: vlm` (docs/vlm.md)."
 PACKAGE = Package(
     section="vlm",
     judges=True,

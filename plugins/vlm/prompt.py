@@ -17,6 +17,9 @@ from roomkin.stages.contracts.types import Count
 LONGEST = 20_000  # characters of an answer
 COUNTED = TypeAdapter(Count)
 A = TypeVar("A", bound=BaseModel)
+Picture = NDArray[np.uint8]  # (H, W, 3), red first
+TOKENS = 1000  # of a picture or an answer, where nobody counts
+DETAIL = "auto"  # how closely the model looks at a picture: it decides
 
 
 class UnusableError(Exception):
@@ -76,11 +79,6 @@ def response_format(kind: str, answer: type[BaseModel]) -> dict[str, Any] | None
         schema = {"name": "answer", "strict": True, "schema": answer.model_json_schema()}
         return {"type": kind, "json_schema": schema}
     return {"type": kind} if kind == "json_object" else None
-
-
-Picture = NDArray[np.uint8]  # (H, W, 3), red first
-TOKENS = 1000  # of a picture or an answer, where nobody counts
-DETAIL = "auto"  # how closely the model looks at a picture: it decides
 
 
 class Prompt(NamedTuple):

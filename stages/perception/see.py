@@ -31,6 +31,9 @@ from roomkin.stages.perception.segmentation.proposal import RoomView, list_propo
 from roomkin.stages.perception.write import NAMES, draw_numbers, tell_names, write_frame
 from roomkin.stages.plugins import load
 
+WANT_WEIGHTS = {"ssd", "mobile_sam"}  # proposers
+WITHOUT = "pieces"  # what proposes where those weights lack
+
 
 def caption_things(captioner: Any, view: RoomView, things: Sequence[Named], options: SeeSection) -> list[Named]:
     """The things as they are captioned: what has a caption has a sure name; what is no whole thing is left out.
@@ -79,10 +82,6 @@ def state(said: Mapping[str, Any], walls: Sequence[int], shown: Collection[int])
         else:
             print(f"{said['label']}: mounting by geometry, its wall is all covered")
     return stated
-
-
-WANT_WEIGHTS = {"ssd", "mobile_sam"}  # proposers
-WITHOUT = "pieces"  # what proposes where those weights lack
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ HEAD, EPSILON = 64, 1e-6  # numbers a head of attention; of the normalisations; 
 PLACES = "embeddings.position_embeddings"
 # In the published file: places of the whole and of 37 x 37 patches.
 NAMELESS = ("onnx::Concat_1957", "onnx::Reshape_1962")
+MEAN, STD = np.array([0.485, 0.456, 0.406], np.float32), np.array([0.229, 0.224, 0.225], np.float32)  # ImageNet's
 
 
 class Dinov2(nn.Module):
@@ -94,9 +95,6 @@ def load_dinov2(folder: str, key: str) -> Dinov2:
         reason = str(error).splitlines()[0] if str(error) else explain(error)
         what = f"'{folder}' does not load: {reason}"
         raise InputError(key, what, "it should hold a Dinov2Model", code="E-WEIGHTS-BROKEN") from None
-
-
-MEAN, STD = np.array([0.485, 0.456, 0.406], np.float32), np.array([0.229, 0.224, 0.225], np.float32)  # ImageNet's
 
 
 class Encoder:

@@ -22,6 +22,14 @@ USUAL = np.array([0.0, np.deg2rad(-8), 0.0])  # yaw, pitch and roll of a hand-he
 SURE = np.deg2rad([45.0, 15.0, 2.0])
 AXES = "xyz"
 WEAK = np.deg2rad(2.0)  # between a line and the direction that it should run in
+MOST = 200  # segments, the longest: as many as a drawing may have
+HYPOTHESES = 400  # per focal length
+TRIALS = np.linspace(-3, 3, 9)  # focal lengths, in standard deviations from the likely one
+PRIOR = 0.02  # share of agreeing length that one standard deviation of the focal length is worth
+GUIDES_SHOWN = 5  # guides per axis
+FITS = 0.9  # agreement of a segment that is shown: two thirds of a degree
+USUAL_FOCAL = 0.8  # of the longer side: 64 degrees across
+KNOWN_SPREAD = 0.03  # of the logarithm of a focal length from EXIF
 
 
 class Guide(Contract):
@@ -131,16 +139,6 @@ def fit_view(
     `given`: lines and what was fixed by hand. `start`: yaw, pitch and roll to begin with, if they are roughly known;
     else several are tried."""
     return _fit(given.model_dump_json(), width, height, start)
-
-
-MOST = 200  # segments, the longest: as many as a drawing may have
-HYPOTHESES = 400  # per focal length
-TRIALS = np.linspace(-3, 3, 9)  # focal lengths, in standard deviations from the likely one
-PRIOR = 0.02  # share of agreeing length that one standard deviation of the focal length is worth
-GUIDES_SHOWN = 5  # guides per axis
-FITS = 0.9  # agreement of a segment that is shown: two thirds of a degree
-USUAL_FOCAL = 0.8  # of the longer side: 64 degrees across
-KNOWN_SPREAD = 0.03  # of the logarithm of a focal length from EXIF
 
 
 def usual_focal(width: int, height: int, exif: float | None) -> Perspective:

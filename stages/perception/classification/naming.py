@@ -58,17 +58,15 @@ class Named:
 
 def name_things(view: RoomView, things: Sequence[Outlined], sure: float) -> list[Named]:
     """The things with their names; what is not sure is left out, unless it carries what is placed, and may do so."""
-    named = [name_thing(view, thing, sure) for thing in things]
+    named = []
+    for thing in things:
+        try:
+            named.append(decide(view, thing, sure))
+        except ODD:
+            by_words = propose_names(Observed(), thing.words or None)
+            named.append(Named(thing, by_words, NOWHERE, NOWHERE, UNMEASURED))
     carriers = find_carriers(view, named)
     return [carry(one) if value in carriers else one for value, one in enumerate(named, 1)]
-
-
-def name_thing(view: RoomView, thing: Outlined, sure: float) -> Named:
-    """A thing with its names, left out if it is not placed well, not known well, or cannot be measured at all."""
-    try:
-        return decide(view, thing, sure)
-    except ODD:
-        return Named(thing, propose_names(Observed(), thing.words or None), NOWHERE, NOWHERE, UNMEASURED)
 
 
 def carry(one: Named) -> Named:

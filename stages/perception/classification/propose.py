@@ -29,6 +29,13 @@ REACH = 0.5  # metres around the mask's box from which those are; chosen
 TRIM = 0.02  # share of points left out at either end of a box; chosen
 MIN_POINTS = 20  # points that show a shape; chosen
 FAR = -5.0  # metres, where the points around lie of a mask that has nothing around it
+# Added to what each says: classes of ImageNet are ours but nearly; chosen.
+FLOORS = np.array([[1e-4], [0.02], [1e-3], [1e-3]])
+FIX_HEAD = "python -m benchmarks.name_training looks writes it"
+FIX = "python -m benchmarks.name_training learn writes it"
+HERE = Path(__file__).parent
+NETWORK, CLASSES, COCO = HERE / "shape.safetensors", HERE / "classes.yaml", HERE / "coco.yaml"
+HEAD = HERE / "looks.safetensors"
 
 
 class ShapeInput(NamedTuple):
@@ -123,15 +130,6 @@ def classify(rgb: NDArray[np.uint8], mask: NDArray[np.bool_]) -> Array | None:
     picture = cv2.resize(square, (SIZE, SIZE), interpolation=method)
     with torch.inference_mode():
         return np.asarray(network(to_input(np.asarray(picture[None], np.uint8)))[0].double().numpy())
-
-
-HERE = Path(__file__).parent
-NETWORK, CLASSES, COCO = HERE / "shape.safetensors", HERE / "classes.yaml", HERE / "coco.yaml"
-HEAD = HERE / "looks.safetensors"
-# Added to what each says: classes of ImageNet are ours but nearly; chosen.
-FLOORS = np.array([[1e-4], [0.02], [1e-3], [1e-3]])
-FIX_HEAD = "python -m benchmarks.name_training looks writes it"
-FIX = "python -m benchmarks.name_training learn writes it"
 
 
 class Exponents(NamedTuple):

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 DEPTH_TOLD = 0.3  # logarithm of a change of depth that an outline tells if it moves it by a `CLICK`; chosen
 SELDOM = 0.1  # how much seldomer things hang that stand, and the other way round; chosen
 UNLIKELY = 0.3  # logarithms by which a size lies beyond the usual, for e times fewer chances; chosen
+BASE_SLACK = 0.05  # share of the picture's height: a base may be marked so far above the top that it stands on
+WORKTOP = 0.05  # metres: how thick a worktop is, whose lower edge is easily marked in place of its upper one
 
 
 def propose_box(
@@ -122,10 +124,6 @@ def tells_depth(view: PinholeView, box: UprightBox, hidden: Mask) -> bool:
 
     now, *others = (find_ends(float(box.size[deep] * np.exp(by))) for by in (0, -DEPTH_TOLD, DEPTH_TOLD))
     return min(float(np.linalg.norm(ends - now)) for ends in others) > CLICK
-
-
-BASE_SLACK = 0.05  # share of the picture's height: a base may be marked so far above the top that it stands on
-WORKTOP = 0.05  # metres: how thick a worktop is, whose lower edge is easily marked in place of its upper one
 
 
 def support_at(solved: Solved, pixel: tuple[float, float], stands: bool = False) -> str:

@@ -20,6 +20,11 @@ from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.perception.camera.metrology import DRAWING_ERROR
 from roomkin.stages.perception.camera.perspective import Perspective
 
+CAMERA_HEIGHT = 1.5  # metres: assumed height of a camera whose height is unknown
+SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: CAMERA_HEIGHT is never better than that
+MIN_EXTENT = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
+Sides = tuple[float | None, float | None, float | None]
+
 
 class Scale(Contract):
     """One known length."""
@@ -83,7 +88,7 @@ class DrawnObject(FoundOutline):
     unsure: bool = Field(False, description="found by networks, and no person has changed or confirmed it yet")
 
     @property
-    def sizes(self) -> tuple[float | None, float | None, float | None]:
+    def sizes(self) -> Sides:
         """Width, depth and height that were typed."""
         return self.width, self.depth, self.height
 
@@ -116,12 +121,6 @@ class Project(Document):
     def _ids_once(self) -> "Project":
         check_unique("ids", ["floor", *(wall.id for wall in self.walls), *(item.id for item in self.objects)])
         return self
-
-
-CAMERA_HEIGHT = 1.5  # metres: assumed height of a camera whose height is unknown
-SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: CAMERA_HEIGHT is never better than that
-MIN_EXTENT = 0.02  # metres: what hangs is wider and higher, unless one edge of it was marked
-Sides = tuple[float | None, float | None, float | None]
 
 
 def is_edge_marked(box: UprightBox) -> str:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -204,16 +203,11 @@ def find_open(value: int, ends: Mapping[int, Ends], on: Mapping[int, int]) -> ND
     return found
 
 
-class Supported(NamedTuple):
-    """What stands, to be fitted, what carries each thing (see `find_supports`) and what each is: by values of masks."""
-
-    items: dict[int, FitItem]
-    on: dict[int, int]
-    kinds: dict[int, Kind]
-
-
-def list_items(masks: NDArray[np.integer], labels: Mapping[int, str], inside: Mask) -> Supported:
-    """The things of masks (H, W); where nothing stands that only the floor carries, a table top may be the ground.
+def list_items(
+    masks: NDArray[np.integer], labels: Mapping[int, str], inside: Mask
+) -> tuple[dict[int, FitItem], dict[int, int], dict[int, Kind]]:
+    """What stands of masks (H, W), to be fitted, what carries each thing (see `find_supports`), and what each is, by
+    values; where nothing stands that only the floor carries, a table top may be the ground.
     `labels`: of the things, by the values of their masks. `inside`: (H, W) pixels that show something: no frame around
     the picture."""
     kinds = {value: kind_of(label) for value, label in labels.items()}
@@ -227,7 +221,7 @@ def list_items(masks: NDArray[np.integer], labels: Mapping[int, str], inside: Ma
         kind, hidden = kinds[value], find_open(value, ends, on)
         carrier, across = number.get(on[value], -1), "seat" in kind.kin
         items[value] = FitItem(ends[value], hidden, kind.usual, carrier, legs=kind.legs, across=across)
-    return Supported(items, on, kinds)
+    return items, on, kinds
 
 
 def list_alone(masks: NDArray[np.integer], values: Sequence[int], inside: Mask) -> dict[int, FitItem]:

@@ -34,6 +34,11 @@ STEPS_ALONE, STEPS = 25, 40  # of the least squares with a camera that stays, an
 SIGNS = np.array([(x, y, z) for z in (0, 1) for x in (-0.5, 0.5) for y in (-0.5, 0.5)])  # corners, from the foot
 CAMERA, BOX = 5, 5  # numbers of a state: of the camera, of each thing
 LINES_BESIDE = 5  # terms of the camera beside its lines
+MISSED_LEGS = 2.0  # cost of an outline that lacks a thing's legs; chosen on `work`
+ACROSS = 1.0  # cost of a thing that stands across the room; chosen on `work`
+FIRST_STEPS = -3.0, -2.0, -1.0, 0.0, 1.0, 2.0  # deviations of the camera's height that are tried first
+KEPT, ROUNDS = 2, 2  # of these, how many are improved, and how often; chosen
+BOTTOM = np.array([False, False, False, True])
 
 
 @dataclass(frozen=True)
@@ -194,13 +199,6 @@ def list_carriers(items: Sequence[FitItem], k: int) -> list[int]:
     """The thing that a thing stands on, the one that stands on, and so on."""
     at = items[k].on
     return [at, *list_carriers(items, at)] if at >= 0 else []
-
-
-MISSED_LEGS = 2.0  # cost of an outline that lacks a thing's legs; chosen on `work`
-ACROSS = 1.0  # cost of a thing that stands across the room; chosen on `work`
-FIRST_STEPS = -3.0, -2.0, -1.0, 0.0, 1.0, 2.0  # deviations of the camera's height that are tried first
-KEPT, ROUNDS = 2, 2  # of these, how many are improved, and how often; chosen
-BOTTOM = np.array([False, False, False, True])
 
 
 class Fitted(NamedTuple):

@@ -26,6 +26,7 @@ WEIGHTS = Path(__file__).parent / "outline_kinds.safetensors"
 STANDS, RESTS, HANGS, WALL, FLOOR, NOTHING = KINDS = ("stands", "rests", "hangs", "wall", "floor", "nothing")
 COLUMNS = 779  # numbers of an outline: 3 of each of MobileSAM's 256 channels, 11 of where it lies
 AROUND = 7  # cells of the embedding, 16 pixels each, in the square that widens an outline to its surroundings
+ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are apart at most; chosen
 
 
 def tell_kinds(features: NDArray[np.float32], masks: Sequence[Mask]) -> Array:
@@ -75,9 +76,6 @@ def measure_outline(features: NDArray[np.float32], mask: Mask) -> Array:
 def _average(features: NDArray[np.float32], weight: NDArray[np.float32]) -> NDArray[np.float32]:
     """Means (C,) of features (C, h, w) by weights (h, w)."""
     return np.asarray(np.einsum("chw,hw->c", features, weight) / max(float(weight.sum()), 1e-6))
-
-
-ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are apart at most; chosen
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,11 @@ from roomkin.stages.geometry.depth_forms import MIN_PIXELS, MIN_VALUES, count_va
 from roomkin.stages.perception.read.depth_scale import UNITS, Stated, find_scale
 
 ARRAYS = (".npy", ".npz")
+# Chosen; what they find on frames of cameras is in docs/results/your-data.md.
+CUT_TIMES, CUT_SHARE = 20, 0.002  # times the pixels of any nearby value, and share of all, at the end of the range
+NEARBY = 0.9  # share of the range from which on values are nearby
+MIN_RANGE = 2.0  # metres: no camera's range is shorter
+CONFIDENCE = "the confidence of this very depth, or delete it"
 
 
 def read_array(path: Path, name: str) -> NDArray[Any]:
@@ -34,12 +39,6 @@ def read_array(path: Path, name: str) -> NDArray[Any]:
         fix = f"store one array (height, width) of numbers, called {name}"
         raise InputError(path, what, fix, code="E-ARRAY-MISSING")
     return np.squeeze(arrays.get(name, next(iter(arrays.values()))))
-
-
-# Chosen; what they find on frames of cameras is in docs/results/your-data.md.
-CUT_TIMES, CUT_SHARE = 20, 0.002  # times the pixels of any nearby value, and share of all, at the end of the range
-NEARBY = 0.9  # share of the range from which on values are nearby
-MIN_RANGE = 2.0  # metres: no camera's range is shorter
 
 
 def read_raw(path: Path) -> NDArray[Any]:
@@ -74,9 +73,6 @@ def _read_image(path: Path) -> NDArray[Any]:
             return numbers
         head = re.sub(rb"#[^\n]*", b"", path.read_bytes()[:1000])  # its fourth word: the largest number
         return np.rint(numbers * (int(head.split()[3]) / 65535)).astype(np.int32)  # Pillow scales them to 65535
-
-
-CONFIDENCE = "the confidence of this very depth, or delete it"
 
 
 def remove_unsure(raw: NDArray[Any], path: Path) -> tuple[NDArray[Any], str]:
@@ -155,7 +151,10 @@ def read_exr(path: Path) -> NDArray[Any]:
     with OpenEXR.File(str(path), separate_channels=True) as file:
         channels: dict[str, NDArray[Any]] = {}
         for number, part in enumerate(file.parts):
-            _check_windows(path, part.header)
+            data, shown = (np.asarray(part.header[name]).tolist() for name in ("dataWindow", "displayWindow"))
+            if data != shown:  # a part of a picture, or one with a border: it would be stretched over the picture
+                what = f"holds the pixels {data} of {shown} (dataWindow, displayWindow)."
+                raise InputError(path, what, "save it without crop and overscan", code="E-DEPTH-SIZE")
             before = f"{part.name()}." if len(file.parts) > 1 and part.name() else ""
             channels |= {before + name: np.array(one.pixels) for name, one in file.channels(number).items()}
     name = depth_channel(path, channels)
@@ -163,15 +162,6 @@ def read_exr(path: Path) -> NDArray[Any]:
         others = ", ".join(one for one in channels if one != name)
         print(f"{path}: depth is its channel {name}, not {others}")
     return channels[name]
-
-
-def _check_windows(path: Path, header: dict[str, Any]) -> None:
-    """Refuse a part of a picture, or one with a border: it would be stretched over the picture. Raises InputError: the
-    window of its pixels is not the one that is shown."""
-    data, shown = (np.asarray(header[name]).tolist() for name in ("dataWindow", "displayWindow"))
-    if data != shown:
-        what = f"holds the pixels {data} of {shown} (dataWindow, displayWindow)."
-        raise InputError(path, what, "save it without crop and overscan", code="E-DEPTH-SIZE")
 
 
 def depth_channel(path: Path, channels: dict[str, NDArray[Any]]) -> str:

@@ -26,6 +26,39 @@ from roomkin.stages.perception.classification.names import LikelyName
 TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
 LONGEST_SIDE = 1600  # pixels of a picture; larger ones are made smaller; chosen for time
 STRETCHED = 0.02  # by which the proportions of two pictures of the same view may differ: rounded sizes; chosen
+Surface = Literal["floor", "wall", "nothing", ""]  # "": a thing
+# Everyday words, written by hand, small. What is a thing elsewhere (床: floor or bed; Decke: ceiling or blanket) is
+# left out: `doubt_surfaces` sees by its shape what no word tells.
+FLOOR = """floor flooring floorboard floorboards ground carpet carpeting parquet linoleum laminate pavement
+boden fußboden parkett sol plancher carrelage suelo piso pavimento chao soalho vloer gulv golv lattia podłoga podlaha
+podea padlo zemin doseme lantai pod пол підлога падлога под πατωμα δαπεδο أرضية רצפה फर्श พื้น
+地板 地面 地砖 地磚 床面 フロア 바닥"""
+WALL = """wall wallpaper
+wand wande mauer mur cloison pared muro parete pareti parede muri muur vagg væg vegg seina sciana stena zed perete fal
+duvar dinding tembok tuong siena zid стена стіна сцяна τοιχος
+جدار حائط קיר دیوار दीवार ผนัง กำแพง 墙 墙壁 墙面 墙体 牆 牆壁 牆面 壁 壁面 벽 벽면"""
+NOTHING = """background ceiling unknown unlabeled unlabelled void sky
+zimmerdecke hintergrund plafond techo soffitto teto sufit strop katto tavan потолок стеля 天井 天花板 背景 천장"""
+# Behind the word: COCO's kinds of stuff, sides and numbers.
+KINDS = """other merged stuff brick concrete marble panel panels plastic stone tile tiles tiled wood wooden
+left right back front rear side north south east west main"""
+BEFORE = """of with in behind at on by under near beside above next von aus mit hinter im de del della des du di
+da do das avec en con van met"""  # what follows is another thing
+Words = frozenset[str]
+# Of whether depth belongs to its picture.
+WIDTH = 640  # pixels at most of what is compared; larger frames are made smaller
+STEP = 0.03  # share of the distance
+FEWEST, SAMPLED = 200, 1000  # pixels of steps: with fewer nothing is said, of more so many are looked at
+NEIGHBOURS = np.ones((5, 5))  # a step in so many pixels around an edge is on it
+AROUND = 41  # pixels across which an edge is compared with what else is there: carpets are full of edges
+FARTHEST, APART = 0.15, 6  # share of the width by which depth may be moved, and pixels between places that are tried
+ZOOMS = [float(zoom) for zoom in np.exp(0.04 * np.arange(-10, 11))]  # by which depth may have to be shown larger
+BETTER = 0.06  # how much more steps fit elsewhere; of right frames at most 0.035
+SURE, FITS = 0.1, 0.75  # likewise, and how much steps fit there, where depth is refused
+NOWHERE = 0.57  # how much steps fit at least in right frames: 0.6; by chance 0.5
+FLIPS = {"left to right": (1,), "upside down": (0,), "by 180 degrees": (0, 1)}
+Mask = NDArray[np.bool_]
+Edges = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -94,29 +127,6 @@ def _resize_nearest(array: NDArray, size: tuple[int, int]) -> NDArray:  # type: 
     return np.asarray(cv2.resize(array, size, interpolation=cv2.INTER_NEAREST_EXACT), dtype=array.dtype)
 
 
-Surface = Literal["floor", "wall", "nothing", ""]  # "": a thing
-
-# Everyday words, written by hand, small. What is a thing elsewhere (床: floor or bed; Decke: ceiling or blanket) is
-# left out: `doubt_surfaces` sees by its shape what no word tells.
-FLOOR = """floor flooring floorboard floorboards ground carpet carpeting parquet linoleum laminate pavement
-boden fußboden parkett sol plancher carrelage suelo piso pavimento chao soalho vloer gulv golv lattia podłoga podlaha
-podea padlo zemin doseme lantai pod пол підлога падлога под πατωμα δαπεδο أرضية רצפה फर्श พื้น
-地板 地面 地砖 地磚 床面 フロア 바닥"""
-WALL = """wall wallpaper
-wand wande mauer mur cloison pared muro parete pareti parede muri muur vagg væg vegg seina sciana stena zed perete fal
-duvar dinding tembok tuong siena zid стена стіна сцяна τοιχος
-جدار حائط קיר دیوار दीवार ผนัง กำแพง 墙 墙壁 墙面 墙体 牆 牆壁 牆面 壁 壁面 벽 벽면"""
-NOTHING = """background ceiling unknown unlabeled unlabelled void sky
-zimmerdecke hintergrund plafond techo soffitto teto sufit strop katto tavan потолок стеля 天井 天花板 背景 천장"""
-# Behind the word: COCO's kinds of stuff, sides and numbers.
-KINDS = """other merged stuff brick concrete marble panel panels plastic stone tile tiles tiled wood wooden
-left right back front rear side north south east west main"""
-BEFORE = """of with in behind at on by under near beside above next von aus mit hinter im de del della des du di
-da do das avec en con van met"""  # what follows is another thing
-
-Words = frozenset[str]
-
-
 def _words(text: str) -> Words:
     return frozenset(plain_letters(text).split())
 
@@ -141,22 +151,6 @@ def surface_of(label: str) -> Surface:
         if heads & known:
             return surface
     return ""
-
-
-WIDTH = 640  # pixels at most of what is compared; larger frames are made smaller
-STEP = 0.03  # share of the distance
-FEWEST, SAMPLED = 200, 1000  # pixels of steps: with fewer nothing is said, of more so many are looked at
-NEIGHBOURS = np.ones((5, 5))  # a step in so many pixels around an edge is on it
-AROUND = 41  # pixels across which an edge is compared with what else is there: carpets are full of edges
-FARTHEST, APART = 0.15, 6  # share of the width by which depth may be moved, and pixels between places that are tried
-ZOOMS = [float(zoom) for zoom in np.exp(0.04 * np.arange(-10, 11))]  # by which depth may have to be shown larger
-BETTER = 0.06  # how much more steps fit elsewhere; of right frames at most 0.035
-SURE, FITS = 0.1, 0.75  # likewise, and how much steps fit there, where depth is refused
-NOWHERE = 0.57  # how much steps fit at least in right frames: 0.6; by chance 0.5
-FLIPS = {"left to right": (1,), "upside down": (0,), "by 180 degrees": (0, 1)}
-
-Mask = NDArray[np.bool_]
-Edges = NDArray[np.float32]
 
 
 class Place(NamedTuple):

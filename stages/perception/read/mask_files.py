@@ -30,6 +30,8 @@ from roomkin.stages.perception.read.mask_shapes import NO_PIXELS, check_size, la
 OWN_NAMES = ("class_name", "category_name", "label", "phrase")  # of an annotation, in the place of a category's number
 SIZES = ("img_width", "img_height", "image_width", "image_height", "width", "height")
 EXPORT = "export COCO or labelme JSON, or a label image as PNG"
+MAX_VALUES = 1000  # of a label image; a photograph has more; chosen
+ARRAY = "store one array (height, width) of whole numbers"
 
 
 def read_labelled(path: Path, labels: Path | None, width: int, height: int, picture: str) -> Labelled:
@@ -136,10 +138,6 @@ def _read_beside(names: Path, width: int, height: int) -> Labelled:
     what = f"has names and boxes, and no {values.name} beside it has the outlines; a {names.stem}.jpg is a drawing."
     mend = f'cv2.imwrite("{values.name}", mask_img.numpy().astype("uint8")) where the script draws mask_img'
     raise InputError(names, what, mend, code="E-MASKS-FORMAT")
-
-
-MAX_VALUES = 1000  # of a label image; a photograph has more; chosen
-ARRAY = "store one array (height, width) of whole numbers"
 
 
 def read_label_image(path: Path, labels: Path | None, width: int, height: int) -> Labelled:

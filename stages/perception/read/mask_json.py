@@ -27,6 +27,9 @@ from roomkin.stages.perception.read.mask_shapes import (
 
 ROBOFLOW = re.compile(r"(_(png|jpe?g|webp|bmp|tiff?|heic))?\.rf\.[^.]+\.\w+$")  # what it puts behind a name
 WITHOUT_RESIZE = "a version of the data set without Resize and augmentations among its steps"
+AREAS_NOT = {"line": "is a line", "linestrip": "is a line", "point": "is a point", "points": "are points"}
+CORNERS = {"polygon", "rotation", "oriented_rectangle", "quadrilateral"}  # all of their corners are written
+TURNED = ("angle", "rotation", "direction")  # of a rectangle
 
 
 def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[MaskShape]:
@@ -169,11 +172,6 @@ def _unpack_runs(text: str) -> list[int]:
             runs.append(value + (runs[-2] if len(runs) > 2 else 0))
             value, shift = 0, 0
     return runs
-
-
-AREAS_NOT = {"line": "is a line", "linestrip": "is a line", "point": "is a point", "points": "are points"}
-CORNERS = {"polygon", "rotation", "oriented_rectangle", "quadrilateral"}  # all of their corners are written
-TURNED = ("angle", "rotation", "direction")  # of a rectangle
 
 
 def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[MaskShape]:

@@ -35,6 +35,9 @@ NAMES_OPTION = '--labels with {"1": "mug", "2": "floor"}, or {"#ff0000": "mug"} 
 LISTED = 8  # numbers without a name that are told; chosen
 # Where YOLO's data.yaml, Grounded-Segment-Anything and Label Studio's notes.json have their names.
 INSIDE = ("names", "mask", "categories")
+CLASSES = "--labels with data.yaml of the data set, or classes.txt with a name in each line"
+OUTLINES = '--labels with {"0": "floor", "2": "mug"} by their numbers from 0; or leave out --masks, `see` finds names'
+LINE = "a class and the corners as shares of the picture in each line, as YOLO writes them"
 
 
 def read_names(path: Path) -> tuple[dict[int, str], bool]:
@@ -86,11 +89,6 @@ def choose_named(
         more = f" and {len(nameless) - LISTED} more" if len(nameless) > LISTED else ""
         print(f"{path}: without a name, left out: {', '.join(nameless[:LISTED])}{more}")
     return known
-
-
-CLASSES = "--labels with data.yaml of the data set, or classes.txt with a name in each line"
-OUTLINES = '--labels with {"0": "floor", "2": "mug"} by their numbers from 0; or leave out --masks, `see` finds names'
-LINE = "a class and the corners as shares of the picture in each line, as YOLO writes them"
 
 
 def read_yolo(path: Path, labels: Path | None, width: int, height: int) -> Labelled:

@@ -24,6 +24,11 @@ FLAT, SEEN = 0.9, 0.03  # shares of a thing's points, and of the picture's pixel
 ITERATIONS = 200  # of RANSAC, where most points are on the plane or it is none
 
 Mask = NDArray[np.bool_]
+DEPTH_STEP = 0.02  # share of the distance, from pixel to pixel: less on a floor seen at 5 degrees by a usual camera
+MIN_LEFT = 0.4  # share of an object that remains, else it is all edges and left alone; chosen
+MIN_PART = 12  # pixels of the smallest thin part; chosen
+SMEAR = 7  # pixels across, in which a smeared pixel has something nearer beside it; chosen
+AROUND_PART = 11  # pixels across, in which the surroundings of a part are looked at; chosen
 
 
 def split_values(frame: Frame) -> Frame:
@@ -123,13 +128,6 @@ def doubt_surfaces(frame: Frame) -> Frame:
             print(f"{label!r} (value {value}) is flat, and nothing lies behind it: call it floor or wall if it is one")
             doubts[value] = [*doubts.get(value, []), DoubtKind.SURFACE.of()]
     return replace(frame, masks=replace(masks, doubts=doubts))
-
-
-DEPTH_STEP = 0.02  # share of the distance, from pixel to pixel: less on a floor seen at 5 degrees by a usual camera
-MIN_LEFT = 0.4  # share of an object that remains, else it is all edges and left alone; chosen
-MIN_PART = 12  # pixels of the smallest thin part; chosen
-SMEAR = 7  # pixels across, in which a smeared pixel has something nearer beside it; chosen
-AROUND_PART = 11  # pixels across, in which the surroundings of a part are looked at; chosen
 
 
 def find_smooth_pixels(depth: NDArray[np.float32], step: float) -> NDArray[np.bool_]:

@@ -26,6 +26,8 @@ from roomkin.stages.perception.read.mask_pieces import doubt_surfaces, split_val
 from roomkin.stages.perception.read.mask_shapes import list_remarks
 
 CameraReader = Callable[[int, int, str], Lens]  # the camera of a picture of this width, height and file name
+# Besides those with `intrinsic` in the name.
+CAMERA_FILES = ("camera_matrix.csv", "camera.json", "config.json", "metadata.json", "metadata")
 
 
 @dataclass(frozen=True)
@@ -118,10 +120,6 @@ def check_floor(frame: Frame) -> None:
             raise InputError("the picture", what, TURN, code=DOWN)
     else:
         check_turned("the picture", points, known, TILT)
-
-
-# Besides those with `intrinsic` in the name.
-CAMERA_FILES = ("camera_matrix.csv", "camera.json", "config.json", "metadata.json", "metadata")
 
 
 def find_view(path: Path, number: int, camera: CameraReader | None, camera_file: Path | None = None) -> ViewFiles:

@@ -25,6 +25,12 @@ MEAN, SPREAD = (123.675, 116.28, 103.53), (58.395, 57.12, 57.375)  # of ImageNet
 BATCH = 4  # prompts at a time; chosen: the fastest on a CPU, as all of it stays near the core
 SURE = 1.0  # logits; how far the threshold moves in `stability` (Segment Anything, section 5)
 UNUSED = ("image_encoder.norm_head.", "image_encoder.head.", "prompt_encoder.mask_downscaling.")  # weights
+MOST = 120  # clicks; chosen for time
+AT_ONCE = 12  # clicks between two looks at what is left; chosen
+MIN_REACH = 2.5  # pixels of an outline, from a click to what needs none; chosen
+AROUND = 3  # pixels around a click that need no further one
+SCORE, STABILITY = 0.7, 0.75  # least ones of an outline that is proposed; chosen
+COVERS = 0.8  # least of both of an outline that covers, so that nothing inside is clicked; chosen
 
 
 class Outlines(NamedTuple):
@@ -136,14 +142,6 @@ class Embedded:
             stability = (logits > SURE).sum((-2, -1)) / (logits > -SURE).sum((-2, -1)).clamp(min=1)
             found.append((logits.half().numpy(), scores.numpy(), stability.numpy()))
         return Outlines(*(np.concatenate(part) for part in zip(*found, strict=True)))
-
-
-MOST = 120  # clicks; chosen for time
-AT_ONCE = 12  # clicks between two looks at what is left; chosen
-MIN_REACH = 2.5  # pixels of an outline, from a click to what needs none; chosen
-AROUND = 3  # pixels around a click that need no further one
-SCORE, STABILITY = 0.7, 0.75  # least ones of an outline that is proposed; chosen
-COVERS = 0.8  # least of both of an outline that covers, so that nothing inside is clicked; chosen
 
 
 def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:

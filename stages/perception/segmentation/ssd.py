@@ -25,6 +25,16 @@ toilet,,tv,laptop,mouse,remote,keyboard,cell phone,microwave,oven,toaster,sink,r
 teddy bear,hair drier,toothbrush
 """
 NAMES = dict(enumerate(_CLASSES.replace("\n", "").split(","), start=1))
+MIN_BOX_SCORE = 0.2  # score of a box that is outlined; its class counts from `choosing.KNOWN` on
+PART = 0.6  # of the picture's sides that a part has; chosen: things a sixth as large are found as well
+ONE_THING = 0.5  # IoU from which boxes of different parts are of one thing; chosen
+EDGE = 4  # pixels to the edge of a part: what ends there is cut by it
+INDOORS = {
+    "backpack", "bed", "book", "bottle", "bowl", "cell phone", "chair", "clock", "couch", "cup", "dining table", "fork",
+    "hair drier", "handbag", "keyboard", "knife", "laptop", "microwave", "mouse", "oven", "potted plant",
+    "refrigerator", "remote", "scissors", "sink", "spoon", "suitcase", "teddy bear", "toaster", "toilet", "tv",
+    "umbrella", "vase", "wine glass",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -71,18 +81,6 @@ def overlap(one: tuple[float, ...], other: tuple[float, ...]) -> float:
     common = max(0.0, sides[0]) * max(0.0, sides[1])
     areas = sum((box[2] - box[0]) * (box[3] - box[1]) for box in (one, other))
     return common / (areas - common) if common else 0.0
-
-
-MIN_BOX_SCORE = 0.2  # score of a box that is outlined; its class counts from `choosing.KNOWN` on
-PART = 0.6  # of the picture's sides that a part has; chosen: things a sixth as large are found as well
-ONE_THING = 0.5  # IoU from which boxes of different parts are of one thing; chosen
-EDGE = 4  # pixels to the edge of a part: what ends there is cut by it
-INDOORS = {
-    "backpack", "bed", "book", "bottle", "bowl", "cell phone", "chair", "clock", "couch", "cup", "dining table", "fork",
-    "hair drier", "handbag", "keyboard", "knife", "laptop", "microwave", "mouse", "oven", "potted plant",
-    "refrigerator", "remote", "scissors", "sink", "spoon", "suitcase", "teddy bear", "toaster", "toilet", "tv",
-    "umbrella", "vase", "wine glass",
-}  # fmt: skip
 
 
 def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:

@@ -148,8 +148,8 @@ def test_of_a_table_top_alone_that_is_the_ground() -> None:
     """Nothing stands there that only the floor carries: mugs and a picture, whose table is no thing."""
     masks, inside = outline_room((1, 4, 5)), ~find_border(show_room())
     labels = {4: "mug", 5: "picture"}
-    assert list_items(masks, labels, inside).on == {4: FLOOR, 5: WALL}
-    assert list_items(masks, labels | {1: "fridge"}, inside).on == {1: FLOOR, 4: NOWHERE, 5: WALL}
+    assert list_items(masks, labels, inside)[1] == {4: FLOOR, 5: WALL}
+    assert list_items(masks, labels | {1: "fridge"}, inside)[1] == {1: FLOOR, 4: NOWHERE, 5: WALL}
 
 
 def test_nothing_stands_on_what_stands_on_it() -> None:
