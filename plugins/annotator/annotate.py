@@ -150,7 +150,10 @@ def _open_photograph(
     if depth is not None and (turned := orientation_of(image)) > 1:
         print(f"{image}: is turned by its EXIF data ({turned}); {depth} is taken to be upright")
     given = None if depth is None else at_size(read_depth(depth)[0], width, height)
-    session = Session(photo, _name(image), _folder(out or image.with_suffix("")), _categories(library), given)
+    folder = out or image.with_suffix("")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(folder, "is a file, not a folder.", "give a folder with --out", code="E-OUTPUT-FOLDER")
+    session = Session(photo, _name(image), folder, _categories(library), given)
     session.open_drawing()
     return session
 
@@ -160,9 +163,3 @@ def _name(image: Path) -> str:
     about = image.with_name("camera.json")
     known = read_json(Camera, about).picture if image.name == "rgb.png" and about.is_file() else ""
     return known or image.name
-
-
-def _folder(path: Path) -> Path:
-    if path.exists() and not path.is_dir():
-        raise InputError(path, "is a file, not a folder.", "give a folder with --out", code="E-OUTPUT-FOLDER")
-    return path

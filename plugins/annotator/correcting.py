@@ -214,11 +214,9 @@ class Correcting(Clicked):
             wall = self._walls.get(held.walls[0]) if isinstance(held, Held) and held.type == 1 else None
             moved, at = self._moved.get(item.mask, STILL), (wall, box) if wall and box else None
             regions[item.id] = {"box": box, "outlines": outline_mask(mask), "faces": self.made.faces(item, moved, at)}
-        return {
-            "regions": regions,
-            "notes": {item.id: losses[item.mask] for item in drawing.objects if item.mask in losses},
-            "covered": [item.id for item in drawing.objects if item.mask in painted.swallowed],
-        }
+        notes = {item.id: losses[item.mask] for item in drawing.objects if item.mask in losses}
+        covered = [item.id for item in drawing.objects if item.mask in painted.swallowed]
+        return {"regions": regions, "notes": notes, "covered": covered}
 
     def models(self, body: Any) -> Answer:
         """Models that can stand for a thing, with pictures and distances."""

@@ -73,12 +73,8 @@ class LastRun:
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size
-        return about | {
-            "size": [round(extent, 3) for extent in (width, depth, height)],
-            "front": placed.yaw,
-            "support": placed.support,
-            "model": placed.asset,
-        }
+        size = [round(extent, 3) for extent in (width, depth, height)]
+        return about | {"size": size, "front": placed.yaw, "support": placed.support, "model": placed.asset}
 
     def faces(
         self, correction: Correction, before: tuple[float, float], at: tuple[Wall, tuple[Pixel, Pixel]] | None = None

@@ -62,13 +62,8 @@ def detect(rgb: Picture, labels: Sequence[str], options: OutlineSection, device:
         found: list[Detection] = []
         for ids, spans in _texts(tokenizer, labels, model.config.max_text_len):
             tokens = torch.tensor([ids], device=device)
-            result = model(
-                pixel_values=pixels,
-                pixel_mask=seen,
-                input_ids=tokens,
-                attention_mask=torch.ones_like(tokens),
-                token_type_ids=torch.zeros_like(tokens),
-            )
+            given = {"pixel_values": pixels, "pixel_mask": seen, "input_ids": tokens}
+            result = model(**given, attention_mask=torch.ones_like(tokens), token_type_ids=torch.zeros_like(tokens))
             scores = result.logits[0].sigmoid().cpu().numpy()
             x, y, w, h = result.pred_boxes[0].cpu().numpy().T
             boxes = np.stack([x - w / 2, y - h / 2, x + w / 2, y + h / 2], axis=1) * [width, height, width, height]

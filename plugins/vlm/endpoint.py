@@ -186,12 +186,9 @@ class Endpoint:
             raise InputError("vlm", "openai is not installed.", mend, code="E-LIBRARY-MISSING") from None
         hooks = {"request": [lambda _: self._allow()]}
         http = openai.DefaultHttpxClient(event_hooks=hooks, follow_redirects=False)  # no pictures for other hosts
+        url, timeout = self.options.url, self.options.timeout
         return openai.OpenAI(
-            api_key=lambda: self.key or "none",
-            base_url=self.options.url,
-            timeout=self.options.timeout,
-            max_retries=RETRIES,
-            http_client=http,
+            api_key=lambda: self.key or "none", base_url=url, timeout=timeout, max_retries=RETRIES, http_client=http
         )
 
     def post(self, body: dict[str, Any]) -> dict[str, Any]:

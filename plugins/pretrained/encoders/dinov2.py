@@ -112,11 +112,8 @@ class Encoder:
 
     def settings(self) -> dict[str, Any]:
         """The settings that a feature store depends on."""
-        return {
-            "weights": weights_sha256(self.options.path) if self.options.path else DINOV2.sha256,
-            "height": self.options.height,
-            "width": self.options.width,
-        }
+        weights = weights_sha256(self.options.path) if self.options.path else DINOV2.sha256
+        return {"weights": weights, "height": self.options.height, "width": self.options.width}
 
     def weights(self, depth: bool) -> NDArray[np.float32]:
         """1 on the features, 0 on the patch position; depth is not used."""

@@ -99,16 +99,8 @@ def add_found(
     guesses = []
     for value in sorted(left_out, key=lambda value: -told[value].probability):
         rings, opens = outline_pieces(masks == value), says_opening(told[value].names[0].name)
-        guesses.append(
-            Guess(
-                id=f"thing_{value}",
-                articulated=opens,
-                outline=rings[0] if rings else [],
-                pieces=rings[1:],
-                left_out=left_out[value],
-                **dict(told[value]),
-            )
-        )
+        shown = {"outline": rings[0] if rings else [], "pieces": rings[1:], **dict(told[value])}
+        guesses.append(Guess(id=f"thing_{value}", articulated=opens, left_out=left_out[value], **shown))
     objects = [item.model_copy(update=dict(told[int(item.id[6:])])) for item in project.objects]
     return project.model_copy(update={"objects": objects, "left_out": guesses})
 

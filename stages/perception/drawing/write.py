@@ -143,21 +143,12 @@ def write_folder(
         masks[free & polygons(one.outlines, masks.shape)] = value
         things.append(_tell(one, value, one.left_out))
     shown = set(np.unique(masks).tolist())
-    camera = Camera(
-        width=view.width,
-        height=view.height,
-        intrinsics=view.intrinsics.tolist(),
-        floor_from_camera=floor_from_camera(view).tolist(),
-        note=note,
-        picture=name_picture(Path(project.picture)),
-        digest=project.digest,
-    )
+    about = {"note": note, "picture": name_picture(Path(project.picture)), "digest": project.digest}
+    matrix, pose = view.intrinsics.tolist(), floor_from_camera(view).tolist()
+    camera = Camera(width=view.width, height=view.height, intrinsics=matrix, floor_from_camera=pose, **about)
     walls = [values[wall.id] for wall in project.walls if values[wall.id] in shown]
-    annotations = Annotations(
-        objects=[_annotate(item, values, walls, solved) for item in seen],
-        floor=values["floor"] if values["floor"] in shown else None,
-        walls=walls,
-    )
+    told, floor = [_annotate(item, values, walls, solved) for item in seen], values["floor"]
+    annotations = Annotations(objects=told, floor=floor if floor in shown else None, walls=walls)
     write_json(folder / THINGS, Things(walls=len(annotations.walls), things=things))
     write_scene_input(folder, rgb, painted.depth if depth is None else depth, camera, masks, annotations)
     write_config(folder if is_clone() else folder.resolve())  # what is relative is so to the clone

@@ -98,20 +98,18 @@ class Embedded:
         """(256, 64, 64): the embedding of the padded picture."""
         return self._features[0].numpy()
 
-    def outline_points(self, points: ArrayLike, batch: int = BATCH) -> Outlines:
+    def outline_points(self, points: ArrayLike) -> Outlines:
         """What lies at each of some points (N, 2), x and y in pixels."""
-        tokens = self._network.prompt_encoder.points(self._fractions(points, 2))
-        return self._outline(tokens, batch)
+        return self._outline(self._network.prompt_encoder.points(self._fractions(points, 2)))
 
     def outline_clicks(self, points: ArrayLike, inside: ArrayLike) -> Outlines:
         """The one thing that points (K, 2), x and y in pixels, say together: each lies inside it, or outside, (K,)."""
         kinds = torch.from_numpy(np.asarray(inside, np.int64))
-        return self._outline(self._network.prompt_encoder.clicks(self._fractions(points, 2), kinds), 1)
+        return self._outline(self._network.prompt_encoder.clicks(self._fractions(points, 2), kinds))
 
-    def outline_boxes(self, boxes: ArrayLike, batch: int = BATCH) -> Outlines:
+    def outline_boxes(self, boxes: ArrayLike) -> Outlines:
         """What lies in each of some boxes (N, 4), x0, y0, x1, y1 in pixels."""
-        tokens = self._network.prompt_encoder.boxes(self._fractions(boxes, 4))
-        return self._outline(tokens, batch)
+        return self._outline(self._network.prompt_encoder.boxes(self._fractions(boxes, 4)))
 
     def upsample(self, logits: NDArray[np.float16]) -> NDArray[np.bool_]:
         """A mask (h, w) of logits at the size of the picture, (H, W)."""
@@ -129,14 +127,14 @@ class Embedded:
         return torch.tensor((resized + 0.5) / INPUT, dtype=torch.float32).view(-1, columns)
 
     @torch.inference_mode()
-    def _outline(self, tokens: Tensor, batch: int) -> Outlines:
+    def _outline(self, tokens: Tensor) -> Outlines:
         """The outlines of prompts (N, 2, 256)."""
         network = self._network
         height, width = (math.ceil(side / GRID) for side in self._size)
         filled = tuple(math.ceil(side * SIDE / INPUT) for side in self._size)
         picture = (self._features + network.prompt_encoder.no_mask_embed.weight.view(1, -1, 1, 1)).flatten(2).mT
         found = []
-        for some in tokens.split(batch):
+        for some in tokens.split(BATCH):
             logits, scores = network.mask_decoder(some, picture, self._places, filled)
             logits = logits[..., :height, :width]
             stability = (logits > SURE).sum((-2, -1)) / (logits > -SURE).sum((-2, -1)).clamp(min=1)
