@@ -93,7 +93,11 @@ class Correcting(Clicked):
         return view_room(self.given.rgb, self.given.depth, self.given.camera)
 
     def open_drawing(self) -> ShownPicture:
-        """What was found, with the corrections that were saved. Raises InputError: what was saved is broken."""
+        """What was found, with the corrections that were saved.
+
+        Raises:
+            InputError: what was saved is broken.
+        """
         corrections, unmatched = self._said.read(self.given.masks)
         things = apply_corrections(self.found, corrections)
         # ids stay, whatever a thing is called: as found, or `drawn_<mask>`
@@ -244,8 +248,11 @@ class Correcting(Clicked):
             self.kept.write(told.as_document())
 
     def write(self, body: Any) -> Answer:
-        """Say what corrections that were saved change; a folder without masks gets them. Raises InputError: no object
-        is left."""
+        """Say what corrections that were saved change; a folder without masks gets them.
+
+        Raises:
+            InputError: no object is left.
+        """
         corrections = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
         annotations, masks, notes = correct_masks(self.given.annotations, self.given.masks, corrections, self._cut)
         if annotations is None:

@@ -52,10 +52,16 @@ def list_cures(
     size: Sequence[float] | None,
     room: Mapping[int, str],
 ) -> list[Cure]:
-    """What helps against a doubt, where one click does. `beneath`: the mask value of what the picture shows just
-    below the thing; `walls`, `room`: walls, and labels of floor and walls, by mask value; `nudged`: metres (x, y) by
-    which a person moved the thing before that run; `placed`: it in the scene of rank 1; `size`: width, depth and height
-    of the model that stands there, metres."""
+    """What helps against a doubt, where one click does.
+
+    Args:
+        beneath: the mask value of what the picture shows just below the thing.
+        walls: by mask value.
+        nudged: metres (x, y) by which a person moved the thing before that run.
+        placed: the thing in the scene of rank 1.
+        size: width, depth and height of the model that stands there, metres.
+        room: labels of floor and walls by mask value.
+    """
     if DoubtKind.UNNAMED.read(doubt) is not None and (value := beneath()) is not None and room.get(value) != WALL:
         floor = room.get(value) == FLOOR
         return [{"text": "put it on", "of": value, "set": {"on": FLOOR if floor else value}}]

@@ -21,8 +21,13 @@ Answer = dict[str, Any]
 
 def rectify_front(rgb: NDArray[np.uint8], pixels: NDArray[np.float64], width: float, height: float) -> dict[str, Any]:
     """A front as the page shows it: a picture of `width` x `height` pixels; null where it looks away from the camera.
-    `pixels`: the front's corners (4, 2) in `rgb`, in the order of `front_corners`; NaN: behind the camera; `width` and
-    `height`: of the front, in any unit."""
+
+    Args:
+        rgb: the whole picture.
+        pixels: the front's corners (4, 2), in the order of `front_corners`; NaN: behind the camera.
+        width: of the front, in any unit.
+        height: likewise.
+    """
     longest = max(width, height)
     size = [max(1, round(LONGEST * side / longest)) for side in (width, height)]
     answer: dict[str, Any] = {"width": size[0], "height": size[1], "picture": None}

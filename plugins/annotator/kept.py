@@ -24,7 +24,11 @@ class Kept:
         self._known = self._read()
 
     def write(self, value: Any) -> None:
-        """Replace the file by a contract or plain data as JSON. Raises OutdatedError: others have changed it since."""
+        """Replace the file by a contract or plain data as JSON.
+
+        Raises:
+            OutdatedError: others have changed it since.
+        """
         text = as_json(value)
         if self._read() == text.encode():
             return self.look()

@@ -110,7 +110,10 @@ class LastRun:
 
     def front(self, mask: int, stated: float | None) -> tuple[NDArray[np.float64], float, float] | None:
         """Corners (4, 2) of a thing's front in the picture, its width and height in metres; None: there was no run.
-        `stated`: the direction about z that a person says it faces."""
+
+        Args:
+            stated: the direction about z that a person says it faces.
+        """
         item, placed = self.items.get(mask), self.placed.get(mask)
         if self.objects is None or item is None or item.box is None:
             return None
@@ -158,7 +161,10 @@ class LastRun:
 
 def hang_on(objects: Objects, wall: Wall, around: tuple[Pixel, Pixel], size: NDArray[np.float64]) -> UprightBox | None:
     """The box on a wall that two opposite corners of its picture show; None: they do not lie on that wall.
-    `size`: depth, width and height, metres, as it was placed: it is as deep in proportion."""
+
+    Args:
+        size: depth, width and height, metres, as it was placed: it is as deep in proportion.
+    """
     camera, normal = np.array(objects.floor_from_camera), np.array(wall.normal)
     pixels = np.array([(x, y, 1.0) for x, _ in around for _, y in around])
     rays = pixels @ np.linalg.inv(objects.intrinsics).T @ camera[:3, :3].T
@@ -173,9 +179,15 @@ def hang_on(objects: Objects, wall: Wall, around: tuple[Pixel, Pixel], size: NDA
 
 
 def read_last_run(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> LastRun:
-    """The results of a scene, as far as they are there. `variant`: of matching; None: the first that is there.
-    `size`: width and height of the picture; results of a picture of another size are not used. Raises InputError: a
-    file is broken."""
+    """The results of a scene, as far as they are there.
+
+    Args:
+        variant: of matching; None: the first that is there.
+        size: width and height of the picture; results of a picture of another size are not used.
+
+    Raises:
+        InputError: a file is broken.
+    """
     path = results / "extraction" / scene / "objects.json"
     objects = read_json(Objects, path) if path.is_file() else None
     if objects is None or (objects.width, objects.height) != size:

@@ -26,8 +26,11 @@ class Making:
         self._done, self._total, self._line, self._stopped, self._seen = 0, 0, "", False, True
 
     def start(self, command: str) -> None:
-        """Run a command line as `to_run` writes it, unless a run goes on. Raises InputError: the workflow is not
-        here."""
+        """Run a command line as `to_run` writes it, unless a run goes on.
+
+        Raises:
+            InputError: the workflow is not here.
+        """
         if self.describe()["running"]:
             return
         words, folder = shlex.split(command), None

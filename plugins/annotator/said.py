@@ -100,8 +100,11 @@ class Said:
         self._unmatched: dict[str, Unmatched] = {}  # by keys: all that the page may have seen
 
     def read(self, masks: NDArray[np.uint16]) -> tuple[dict[int, Correction], list[UnmatchedLine]]:
-        """The corrections by the values of masks (H, W); those of what is not found there now. Raises InputError: what
-        was saved is broken."""
+        """The corrections by the values of masks (H, W); those of what is not found there now.
+
+        Raises:
+            InputError: what was saved is broken.
+        """
         saved = read_corrections([self.path] if self.path.is_file() else [])
         matched = match_corrections(saved, masks, self._digest)
         keys = [sha256(one.model_dump_json().encode()).hexdigest()[:12] for one in matched.unmatched]

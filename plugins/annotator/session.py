@@ -68,8 +68,11 @@ class Session(Clicked):
         return project
 
     def open_drawing(self) -> Project:
-        """The drawing that was saved, that of the networks, or a fresh one. Raises InputError: what was saved is
-        broken, or of another picture."""
+        """The drawing that was saved, that of the networks, or a fresh one.
+
+        Raises:
+            InputError: what was saved is broken, or of another picture.
+        """
         mend = "move it away to begin anew"
         for path in filter(Path.is_file, (self.kept.path, self.folder / PROJECT)):
             project = read_json(Project, path, mend)

@@ -50,8 +50,11 @@ def prepare(rgb: Picture, width: int, height: int) -> torch.Tensor:
 
 
 def detect(rgb: Picture, labels: Sequence[str], options: OutlineSection, device: str = "cpu") -> list[Detection]:
-    """Boxes of things with these labels, best first; each has the label with the highest score. Raises InputError: the
-    weights are missing or broken."""
+    """Boxes of things with these labels, best first; each has the label with the highest score.
+
+    Raises:
+        InputError: the weights are missing or broken.
+    """
     with free_memory_after(device):
         height, width = rgb.shape[:2]
         model = load_pretrained(GroundingDinoForObjectDetection, options.detector, "perception.detector").to(device)
@@ -108,7 +111,11 @@ def _texts(
 def segment(
     rgb: Picture, detections: Sequence[Detection], options: OutlineSection, device: str = "cpu"
 ) -> list[NDArray[np.bool_]]:
-    """The mask (H, W) of what each box holds. Raises InputError: the weights are missing or broken."""
+    """The mask (H, W) of what each box holds.
+
+    Raises:
+        InputError: the weights are missing or broken.
+    """
     with free_memory_after(device):
         height, width = rgb.shape[:2]
         model = load_pretrained(Sam2Model, options.segmenter, "perception.segmenter").to(device)

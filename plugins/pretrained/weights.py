@@ -8,8 +8,11 @@ from roomkin.stages.contracts.errors import explain
 
 
 def load_pretrained(model_class: Any, folder: str, key: str) -> Any:
-    """`model_class.from_pretrained` on a local folder. Raises InputError: no weights there, or others; `key`: of the
-    config, e.g. matching.dinov2.path."""
+    """`model_class.from_pretrained` on a local folder.
+
+    Raises:
+        InputError: no weights there, or others; `key`: of the config, e.g. matching.dinov2.path.
+    """
     from safetensors import SafetensorError
 
     check_folder(folder, key)

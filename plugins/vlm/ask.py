@@ -200,7 +200,11 @@ class Asker:
 
 
 def answer_of(entry: Entry, answer: type[A]) -> A:
-    """The answer that an entry of the ledger holds. Raises NoAnswerError: it holds none."""
+    """The answer that an entry of the ledger holds.
+
+    Raises:
+        NoAnswerError: it holds none.
+    """
     if entry.outcome != "answered":
         raise NoAnswerError(entry.problem or "no answer")
     try:

@@ -83,7 +83,11 @@ class Ledger:
         self._seen: dict[Path, tuple[tuple[int, int], Spent]] = {}
 
     def find(self, key: str) -> Entry | None:
-        """The entry of a key. Raises InputError: its file is damaged, or is about something else."""
+        """The entry of a key.
+
+        Raises:
+            InputError: its file is damaged, or is about something else.
+        """
         path = self.path(key)
         if not path.is_file():
             return None
@@ -192,8 +196,12 @@ class Endpoint:
         )
 
     def post(self, body: dict[str, Any]) -> dict[str, Any]:
-        """The reply to a request. Raises UnreachedError, RefusedRequestError: see there; UnusableError: it is no JSON
-        object; InputError: key, model or address are wrong, or the account is empty: no other request would do better.
+        """The reply to a request.
+
+        Raises:
+            UnreachedError, RefusedError: see there.
+            UnusableError: it is no JSON object.
+            InputError: key, model or address are wrong, or the account is empty: no other request would do better.
         """
         self._check_key()
         client = self._client

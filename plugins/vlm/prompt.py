@@ -27,7 +27,11 @@ class UnusableError(Exception):
 
 
 def text_of(reply: dict[str, Any]) -> str:
-    """The text of a reply. Raises UnusableError: it was cut off, filtered, refused, or is empty."""
+    """The text of a reply.
+
+    Raises:
+        UnusableError: it was cut off, filtered, refused, or is empty.
+    """
     try:
         choice = reply["choices"][0]
         message = choice["message"]
@@ -53,7 +57,10 @@ def text_of(reply: dict[str, Any]) -> str:
 
 def parse_answer(text: str, answer: type[A]) -> A:
     """The JSON object in a text (in a fence or after thoughts, as some models write), checked by its model.
-    Raises UnusableError: there is none, or it is none that was asked for."""
+
+    Raises:
+        UnusableError: there is none, or it is none that was asked for.
+    """
     answered = text.rpartition("</think>")[2]
     start, end = answered.find("{"), answered.rfind("}")
     if start < 0 or end < start:

@@ -230,10 +230,19 @@ def _read_lock(path: Path) -> dict[str, Locked]:
 
 
 def fetch_weights(path: str, source: str, key: str, locked: Locked | None = None) -> Record:
-    """What lies in a network's folder `path`, after it was downloaded if need be. A folder with weights that we did
-    not put there is the user's own and stays as it is. `source`: a model id of the hub; `key`: of the folder in the
-    config; `locked`: what was fetched of this source before, here or elsewhere. Raises InputError: the download failed,
-    or the weights are not those of the lock."""
+    """What lies in a network's folder, after it was downloaded if need be.
+
+    A folder with weights that we did not put there is the user's own and stays as it is.
+
+    Args:
+        path: the folder.
+        source: where the weights come from: a model id of the hub.
+        key: of the folder in the config.
+        locked: what was fetched of this source before, here or elsewhere.
+
+    Raises:
+        InputError: the download failed, or the weights are not those of the lock.
+    """
     folder = Path(path)
     record = folder / RECORD
     known = json.loads(record.read_text(encoding="utf-8")) if record.is_file() else {}

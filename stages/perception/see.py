@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import cv2
 import numpy as np
@@ -27,19 +27,37 @@ from roomkin.stages.perception.classification.naming import Named, name_things
 from roomkin.stages.perception.classification.propose import list_silent
 from roomkin.stages.perception.read.frame import TILT, Frame, Labelled, doubt_depth
 from roomkin.stages.perception.segmentation.choosing import choose
-from roomkin.stages.perception.segmentation.proposal import RoomView, list_proposals
+from roomkin.stages.perception.segmentation.proposal import Mask, RoomView, list_proposals
 from roomkin.stages.perception.write import NAMES, draw_numbers, tell_names, write_frame
 from roomkin.stages.plugins import load
 
+Box = Sequence[float]
 WANT_WEIGHTS = {"ssd", "mobile_sam"}  # proposers
 WITHOUT = "pieces"  # what proposes where those weights lack
 
 
-def caption_things(captioner: Any, view: RoomView, things: Sequence[Named], options: SeeSection) -> list[Named]:
-    """The things as they are captioned: what has a caption has a sure name; what is no whole thing is left out.
+class Captioner(Protocol):
+    """A language model that says what is in a picture (H, W, 3); `captioners/<name>.py` of a package defines one."""
 
-    captioner: a `Captioner` of `captioners/<name>.py` of a package, as `roomkin.plugins.vlm.captioners.vlm` has it.
-    """
+    def list_labels(self, rgb: NDArray[np.uint8]) -> list[str]:
+        """What is in the picture."""
+
+    def caption(
+        self, rgb: NDArray[np.uint8], box: Box, label: str, labels: Sequence[str], number: int
+    ) -> dict[str, Any] | None:
+        """Of the thing in a box label, articulated, doors, drawers; empty: not known; None: it is no whole thing."""
+
+    def hold(
+        self, rgb: NDArray[np.uint8], box: Box, walls: Sequence[Mask], label: str, number: int
+    ) -> tuple[int, list[int]] | None:
+        """How the thing in a box is held: type 1, 2, 3, and the walls that it touches, by places; None: unknown."""
+
+    def summary(self) -> str:
+        """What was asked, in a line."""
+
+
+def caption_things(captioner: Captioner, view: RoomView, things: Sequence[Named], options: SeeSection) -> list[Named]:
+    """The things as they are captioned: what has a caption has a sure name; what is no whole thing is left out."""
     found = list(things)
     asked = [k for k, one in enumerate(things) if not one.left_out or one.left_out in UNSURE]
     for k in progress(asked, "objects"):
@@ -130,8 +148,14 @@ def write_seen(out: Path, frame: Frame, seen: Seen) -> None:
 
 
 def see(frame: Frame, options: SeeSection, model: Mapping[str, Any] | None = None, device: str = "cpu") -> Seen:
-    """Ground, walls and things of a frame whose depth has the size of its picture. `model`: the config section `vlm`,
-    for `captions: vlm`. Raises InputError: nothing level is seen, or no thing."""
+    """Ground, walls and things of a frame whose depth has the size of its picture.
+
+    Args:
+        model: the config section `vlm`, for `captions: vlm`.
+
+    Raises:
+        InputError: nothing level is seen, or no thing.
+    """
     captioner = None if options.captions == "labels" else load("captioners", options.captions)(model or {})
     if captioner is not None:
         options = options.model_copy(update={"labels": captioner.list_labels(frame.rgb)})
@@ -147,7 +171,11 @@ def see(frame: Frame, options: SeeSection, model: Mapping[str, Any] | None = Non
 
 
 def look(frame: Frame, device: str = "cpu") -> RoomView:
-    """A frame with its ground and walls. Raises InputError: nothing level is seen."""
+    """A frame with its ground and walls.
+
+    Raises:
+        InputError: nothing level is seen.
+    """
     depth = frame.depth.astype(float)
     surfaces = find_surfaces(depth, frame.intrinsics, TILT, frame.pose)
     if surfaces is None:

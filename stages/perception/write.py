@@ -42,7 +42,10 @@ def opens(label: str, proposals: Sequence[LikelyName]) -> bool:
 
 def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     """masks.png and annotations.json; labels say what is floor or wall, and all floors become one.
-    Raises InputError: there is nothing but floor and walls, or a label is no word."""
+
+    Raises:
+        InputError: there is nothing but floor and walls, or a label is no word.
+    """
     for label in masks.labels.values():
         if len(label) > LONGEST_LABEL or not label.isprintable():
             what = f"have the label {label[:40]!r}, which cannot be printed or is too long."

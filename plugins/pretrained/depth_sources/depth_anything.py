@@ -13,8 +13,11 @@ from roomkin.stages.contracts.images import NEAREST, SKY
 
 
 def measure_depth(rgb: Picture, options: MeasureOptions, device: str = "cpu") -> NDArray[np.float32]:
-    """Depth (H, W) in metres of a picture (H, W, 3). Raises InputError: the weights are missing, broken, or of another
-    kind."""
+    """Depth (H, W) in metres of a picture (H, W, 3).
+
+    Raises:
+        InputError: the weights are missing, broken, or of another kind.
+    """
     key, (height, width) = "perception.depth_anything", rgb.shape[:2]
     with free_memory_after(device):
         model = load_pretrained(DepthAnythingForDepthEstimation, options.depth_anything, key).to(device)

@@ -82,7 +82,10 @@ def read_fetched(path: Path) -> dict[str, Tensor]:
 
 def load_dinov2(folder: str, key: str) -> Dinov2:
     """The network of a folder with config.json and model.safetensors; of no folder: of the published file.
-    Raises InputError: no weights there, or others; `key`: of the config, e.g. matching.dinov2.path."""
+
+    Raises:
+        InputError: no weights there, or others; `key`: of the config, e.g. matching.dinov2.path.
+    """
     if not folder:
         return fill(read_fetched(find_weights(DINOV2)))
     from safetensors import SafetensorError

@@ -9,8 +9,11 @@ from roomkin.stages.perception.segmentation.proposal import Proposal, RoomView
 
 
 def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:
-    """An outline for each box, with its label. Raises InputError: the weights are missing or broken (`roomkin
-    perception fetch --networks`)."""
+    """An outline for each box, with its label.
+
+    Raises:
+        InputError: the weights are missing or broken (`roomkin perception fetch --networks`).
+    """
     from roomkin.plugins.pretrained.networks import detect, segment
 
     labels = options.labels or [name.replace("_", " ") for name in known_categories()]

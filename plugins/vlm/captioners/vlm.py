@@ -78,8 +78,11 @@ class Captioner:
         self.asker = Asker(VlmConfig.model_validate(dict(options)))
 
     def list_labels(self, rgb: NDArray[np.uint8]) -> list[str]:
-        """Labels of what is in a picture (H, W, 3), in the order given, lower case. Raises InputError: there is no
-        answer that can be used."""
+        """Labels of what is in a picture (H, W, 3).
+
+        Raises:
+            InputError: there is no answer that can be used.
+        """
         model = self.asker.options
         try:
             answer = self.asker.ask(Prompt(SYSTEM_PROMPT, [rgb, LABELS_PROMPT]), LabelsAnswer, "what is in the picture")
@@ -98,8 +101,13 @@ class Captioner:
         self, rgb: NDArray[np.uint8], box: Sequence[float], label: str, labels: Sequence[str], number: int
     ) -> dict[str, Any] | None:
         """What the thing in a box is, its doors and drawers; empty: no usable answer; None: it is no whole thing.
-        `box`: x0, y0, x1, y1. `label`: what it was taken for. `labels`: those of the picture. `number`: of the thing,
-        for people."""
+
+        Args:
+            box: x0, y0, x1, y1.
+            label: what it was taken for.
+            labels: those of the picture.
+            number: of the thing, for people.
+        """
         about, name = f"object {number}, {label}", self.asker.options.model
         choice: Any = Literal[(*labels, NONE)]
         form = create_model("Look", __base__=ObjectAnswer, label=(choice, ...))

@@ -95,7 +95,10 @@ class Judge:
         find: Callable[[], int],
     ) -> int:
         """Place of the candidate that the model, or by `find` its stand-in, chooses; one alone needs no asking.
-        Raises AbstainedError: it chooses none, or gives no answer."""
+
+        Raises:
+            AbstainedError: it chooses none, or gives no answer.
+        """
         if len(pictures) == 1:
             return 0
         numbers = [str(number) for number in range(1, len(pictures) + 1)]

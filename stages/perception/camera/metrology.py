@@ -65,8 +65,11 @@ class PinholeView:
         return np.asarray(local[..., :2] / depth * self.focal + self.center)
 
     def meet_level(self, pixel: ArrayLike, z: float = 0.0) -> Points:
-        """The point (3,) at height z that a pixel shows. Raises MetrologyError: the ray does not come down (or up) to
-        that height."""
+        """The point (3,) at height z that a pixel shows.
+
+        Raises:
+            MetrologyError: the ray does not come down (or up) to that height.
+        """
         ray = self.rays(pixel)
         reach = (z - self.above) / ray[2] if ray[2] else np.inf
         if not 0 < reach < HORIZON * self.above:
@@ -210,8 +213,12 @@ def round_box(
     sizes: tuple[float | None, float | None, float | None],
 ) -> UprightBox:
     """The box around a round thing, from the left and right end of its base, level with its center, and its top.
-    `pixels`: two or three; without the third it is flat. If that lies farther to a side than its base does, its top
-    ends there. `sizes`: width, depth and height in metres where they are known; its center stays."""
+
+    Args:
+        pixels: two or three; without the third it is flat. If that lies farther to a side than its base does, its top
+            ends there.
+        sizes: width, depth and height in metres where they are known; its center stays.
+    """
     left, right = view.meet_level(pixels[0], ground), view.meet_level(pixels[1], ground)
     middle = (left + right) / 2
     width = sizes[0] or max(float(np.linalg.norm(right - left)), 1e-4 * view.above)
@@ -259,8 +266,12 @@ def fit_hanging_box(
     flat: float = 0.03,
 ) -> UprightBox:
     """A box on a wall, from two opposite corners of its front and one rear corner, which lies on the wall.
-    `pixels`: two or three. `sizes`: width, depth and height in metres where they are known; the front's middle stays.
-    `flat`: its depth without a third pixel."""
+
+    Args:
+        pixels: two or three.
+        sizes: width, depth and height in metres where they are known; the front's middle stays.
+        flat: its depth without a third pixel.
+    """
     depth = sizes[1] or flat
     if sizes[1] is None and len(pixels) > 2:
         depth = _depth_of_rear(view, wall, pixels)

@@ -55,7 +55,11 @@ class Perspective(Contract):
 
 def measure_misses(view: PinholeView, axes: NDArray[np.integer], ends: Points) -> Points:
     """Pixels (N,) by which each line's end misses the line from its middle to the vanishing point of its axis.
-    `axes`: (N,) 0, 1, 2 for x, y, z. `ends`: (N, 2, 2) pixels of both ends."""
+
+    Args:
+        axes: (N,) 0, 1, 2 for x, y, z.
+        ends: (N, 2, 2) pixels of both ends.
+    """
     a, b = ends[:, 0] - view.center, ends[:, 1] - view.center
     middle = (a + b) / 2
     direction = view.rotation[axes]  # of the axis, in the camera frame
@@ -136,8 +140,11 @@ def fit_view(
     given: Perspective, width: int, height: int, start: tuple[float, float, float] | None = None
 ) -> PinholeView:
     """The camera, one metre above the floor, that explains the lines best; usual values where they leave it open.
-    `given`: lines and what was fixed by hand. `start`: yaw, pitch and roll to begin with, if they are roughly known;
-    else several are tried."""
+
+    Args:
+        given: lines and what was fixed by hand.
+        start: yaw, pitch and roll to begin with, if they are roughly known; else several are tried.
+    """
     return _fit(given.model_dump_json(), width, height, start)
 
 

@@ -65,8 +65,13 @@ class Surfaces:
 
 def find_surfaces(depth: Array, intrinsics: Array, max_tilt: float, frame: Array | None = None) -> Surfaces | None:
     """Ground, walls and ceiling; None: no surface tells which way is up, or nothing level lies below the camera.
-    `depth`: (H, W) metres, 0: unknown. `intrinsics`: (3, 3) pixels. `max_tilt`: largest angle between image-up and the
-    ground's normal, degrees. `frame`: floor_from_camera (4, 4), if that is known."""
+
+    Args:
+        depth: (H, W) metres, 0: unknown.
+        intrinsics: (3, 3) pixels.
+        max_tilt: largest angle between image-up and the ground's normal, degrees.
+        frame: floor_from_camera (4, 4), if that is known.
+    """
     in_camera, known = back_project(depth, intrinsics), depth > 0
     if frame is None and (ground := find_ground(in_camera, known, max_tilt)) is not None:
         frame = make_floor_frame(ground)
@@ -91,9 +96,13 @@ def find_surfaces(depth: Array, intrinsics: Array, max_tilt: float, frame: Array
 
 
 def find_walls(points: Array, cells: Array, facing: Array, areas: Array, camera_height: float) -> list[WallPlane]:
-    """The walls, largest first: in each of the room's four directions at most one. `points`: (N, 3) of all that is
-    seen, floor frame. `cells`, `facing`, `areas`: of flat cells: centers (M, 3), unit normals (M, 3) towards the
-    camera, square metres (M,). `camera_height`: metres above the ground."""
+    """The walls, largest first: in each of the room's four directions at most one.
+
+    Args:
+        points: (N, 3) of all that is seen, floor frame.
+        cells, facing, areas: of flat cells: centers (M, 3), unit normals (M, 3) towards the camera, square metres (M,).
+        camera_height: metres above the ground.
+    """
     upright = (np.abs(facing[:, 2]) < WALL_TILT) & (cells[:, 2] > PLANE_THRESHOLD)
     cells, facing, areas = cells[upright], facing[upright], areas[upright]
     if not len(cells):
@@ -111,9 +120,13 @@ def find_walls(points: Array, cells: Array, facing: Array, areas: Array, camera_
 
 
 def find_wall(points: Array, cells: Array, areas: Array, normal: Array, camera_height: float) -> WallPlane | None:
-    """The largest plane of a direction that is a wall; None: none is. `points`: (N, 3) of all that is seen, floor
-    frame. `cells`, `areas`: (M, 3), (M,) of the cells that face about along `normal` (3,). `camera_height`: metres
-    above the ground."""
+    """The largest plane of a direction that is a wall; None: none is.
+
+    Args:
+        points: (N, 3) of all that is seen, floor frame.
+        cells, areas: (M, 3), (M,) of the cells that face about along `normal` (3,).
+        camera_height: metres above the ground.
+    """
     offsets = cells @ normal
     if not (offsets < -FARTHER).any():
         return None  # the camera, at x = y = 0, is in front of a wall

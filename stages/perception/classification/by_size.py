@@ -42,8 +42,12 @@ def name_standing(
     inside: Mask,
 ) -> tuple[dict[int, Names], set[int]]:
     """Names of what stands on the floor, of known things by their size too; and what must carry one: that stands.
-    `seen`: all outlines; `masks` (H, W): the value of each is its place, from 1; `feet`: their ends; `arranged`: those
-    that have `labels`; `inside`: (H, W) pixels that show something: no frame around the picture."""
+
+    Args:
+        seen: all outlines; masks (H, W): the value of each is its place, from 1; feet: their ends.
+        arranged: those that have `labels`.
+        inside: (H, W) pixels that show something: no frame around the picture.
+    """
     things = [value for value in feet if seen[value - 1].kind not in (kinds.WALL, kinds.FLOOR)]  # these hide nothing
     items = list_alone(masks, things, inside)
     floor = {0} | {value for value, one in enumerate(seen, 1) if one.kind == kinds.FLOOR}

@@ -73,7 +73,10 @@ class Tower(nn.Module):
 
 def read_published(path: Path, part: str | tuple[str, ...] = "vision_model.") -> dict[str, Tensor]:
     """The weights of an ONNX file's transformer, also of layers that are quantised to eight bits, by published names.
-    `part`: what the names of its weights begin with, but those of products."""
+
+    Args:
+        part: what the names of its weights begin with, but those of products.
+    """
     import onnx
     from onnx import numpy_helper
 

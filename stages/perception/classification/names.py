@@ -42,8 +42,12 @@ class Names(NamedTuple):
     other: float
 
     def weigh(self, weights: Mapping[str, float], other: float = 1.0) -> "Names":
-        """The names by a further sign. `weights`: how likely the sign is of a thing of each category; 1 where nothing
-        is said. `other`: how likely it is of what is none of them."""
+        """The names by a further sign.
+
+        Args:
+            weights: how likely the sign is of a thing of each category; 1 where nothing is said.
+            other: how likely it is of what is none of them.
+        """
         shares = [(one.name, one.probability * weights.get(one.category, 1.0)) for one in self.proposals]
         return normalise(shares, other * self.other)
 

@@ -68,8 +68,11 @@ def _layers(*widths: int) -> nn.Sequential:
 
 
 def load_weights(network: Any, path: Path, fix: str) -> Any:
-    """A network of ours with the weights of a safetensors file, ready to be used. Raises InputError: the file is not
-    there or holds other weights."""
+    """A network of ours with the weights of a safetensors file, ready to be used.
+
+    Raises:
+        InputError: the file is not there or holds other weights.
+    """
     from safetensors import SafetensorError
     from safetensors.torch import load_file
 

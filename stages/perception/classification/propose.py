@@ -56,8 +56,13 @@ class ShapeInput(NamedTuple):
 
 
 def measure_shape(room: Array, known: Mask, mask: Mask, camera_height: float) -> ShapeInput | None:
-    """The shape of what a mask shows; None: too few points. `room`: (H, W, 3) points, metres, z up from what things
-    stand on, the camera at (0, 0, `camera_height`). `known`: (H, W) where there is depth. `mask`: (H, W)."""
+    """The shape of what a mask shows; None: too few points.
+
+    Args:
+        room: (H, W, 3) points, metres, z up from what things stand on, the camera at (0, 0, `camera_height`).
+        known: (H, W) where there is depth.
+        mask: (H, W).
+    """
     rng, points = np.random.default_rng(0), room[mask & known]
     if len(points) < MIN_POINTS:
         return None
@@ -86,9 +91,13 @@ def measure_shape(room: Array, known: Mask, mask: Mask, camera_height: float) ->
 
 
 class Observed(NamedTuple):
-    """The observations of a mask. `shape`: None: there is too little depth. `classes`: (1000,) scores of ImageNet's
-    classes, logits; None: the classifier is not installed. `looks`: (512,) CLIP's embedding, a unit vector; None: its
-    weights are not here."""
+    """The observations of a mask.
+
+    Attributes:
+        shape: None: there is too little depth.
+        classes: (1000,) scores of ImageNet's classes, logits; None: the classifier is not installed.
+        looks: (512,) CLIP's embedding, a unit vector; None: its weights are not here.
+    """
 
     shape: ShapeInput | None = None
     classes: Array | None = None
@@ -102,8 +111,15 @@ def list_silent() -> list[str]:
 
 
 def observe(rgb: NDArray[np.uint8], depth: Array, mask: NDArray[np.bool_], intrinsics: Array, frame: Array) -> Observed:
-    """What a picture shows of a mask with at least one pixel. `rgb`: (H, W, 3). `depth`: (H, W) metres, 0: unknown.
-    `mask`: (H, W). `intrinsics`: (3, 3) pixels. `frame`: floor_from_camera (4, 4), z = 0: what things stand on."""
+    """What a picture shows of a mask with at least one pixel.
+
+    Args:
+        rgb: (H, W, 3).
+        depth: (H, W) metres, 0: unknown.
+        mask: (H, W).
+        intrinsics: (3, 3) pixels.
+        frame: floor_from_camera (4, 4), z = 0: what things stand on.
+    """
     room = transform_points(frame, back_project(depth, intrinsics))
     return observe_looks(rgb, mask)._replace(shape=measure_shape(room, depth > 0, mask, float(frame[2, 3])))
 
@@ -232,9 +248,12 @@ def combine(said: Array, weights: Exponents) -> Array:
 
 
 def propose_names(observed: Observed, coco: Mapping[str, float] | None = None) -> Names:
-    """The categories, surest first, and how likely it is none of them; every name is as likely before. `observed`: of a
-    mask, see `observe`. `coco`: what a detector takes it for: scores, 0 to 1, of COCO's classes by their names; None:
-    nothing."""
+    """The categories, surest first, and how likely it is none of them; every name is as likely before.
+
+    Args:
+        observed: of a mask, see `observe`.
+        coco: what a detector takes it for: scores, 0 to 1, of COCO's classes by their names; None: nothing.
+    """
     _, names = read_network()
     share = combine(gather(observed, coco, names), Exponents())
     order = np.argsort(-share[:-1], kind="stable")

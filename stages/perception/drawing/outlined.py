@@ -34,8 +34,11 @@ def propose_box(
     project: Project, solved: Solved, outlines: list[list[Pixel]], on: str, label: str
 ) -> tuple[str, list[Pixel]]:
     """What carries an outlined thing, and the marks of its box, as a person would click them (`DrawnObject.points`).
-    `on`: the floor, a wall or an object; auto: what its foot is on. `label`: whose usual sizes tell what the outline
-    does not; empty: unknown."""
+
+    Args:
+        on: the floor, a wall or an object; auto: what its foot is on.
+        label: whose usual sizes tell what the outline does not; empty: unknown.
+    """
     hull = cv2.convexHull(np.concatenate([np.asarray(points, np.float32) for points in outlines]))[:, 0].astype(float)
     if on == "auto":
         on = find_carrier(project, solved, hull, label)

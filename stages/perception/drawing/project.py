@@ -108,8 +108,11 @@ class Project(Document):
     untouched: bool = Field(False, description="drawn by networks, and no person has saved it on the page since")
 
     def check_picture(self, digest: str, width: int, height: int, where: object, mend: str) -> "Project":
-        """The drawing, if it is of the picture of this digest, as far as it knows that, and size. Raises InputError: it
-        is not."""
+        """The drawing, if it is of the picture of this digest, as far as it knows that, and size.
+
+        Raises:
+            InputError: it is not.
+        """
         if self.digest not in ("", digest):
             raise InputError(where, f"is of another picture, '{self.picture}'.", mend, code="E-PROJECT-PICTURE")
         if (self.width, self.height) != (width, height):

@@ -38,8 +38,13 @@ class Drawing(NamedTuple):
 
 
 def draw_room(name: str, room: FittedRoom, masks: NDArray[np.integer], labels: Mapping[int, str]) -> Drawing:
-    """The drawing of a room, whose boxes are known: the marks are for the page. `name`: file name of the picture.
-    `masks`: (H, W). `labels`: of the things, by the values of their masks."""
+    """The drawing of a room, whose boxes are known: the marks are for the page.
+
+    Args:
+        name: file name of the picture.
+        masks: (H, W).
+        labels: of the things, by the values of their masks.
+    """
     height, width = masks.shape
     fixed, above = {"horizon": horizon(room.view), "focal": room.view.focal}, round(room.view.above, 3)
     perspective = room.perspective.model_copy(update=fixed)
@@ -94,7 +99,12 @@ def add_found(
     project: Project, masks: NDArray[np.integer], named: Mapping[int, Names], left_out: Mapping[int, str]
 ) -> Project:
     """The drawing of a room with the names that its things may have, and with what is left out, the surest first.
-    `masks`: (H, W). `named`: things by the values of their masks. `left_out`: why some of them are."""
+
+    Args:
+        masks: (H, W).
+        named: things by the values of their masks.
+        left_out: why some of them are.
+    """
     told = {value: tell_names(names) for value, names in named.items()}
     guesses = []
     for value in sorted(left_out, key=lambda value: -told[value].probability):
@@ -131,9 +141,15 @@ def area_of(pixels: Array) -> float:
 
 
 def mark_box(view: PinholeView, box: UprightBox, hangs: bool, told: bool = True) -> list[Pixel]:
-    """The marks that make a box, as a person would click them: of its front, and of a rear corner. `hangs`: on a wall,
-    by its rear. `told`: how deep it is; else a rear corner says nothing. Raises MetrologyError: it reaches behind the
-    camera."""
+    """The marks that make a box, as a person would click them: of its front, and of a rear corner.
+
+    Args:
+        hangs: on a wall, by its rear.
+        told: how deep it is; else a rear corner says nothing.
+
+    Raises:
+        MetrologyError: it reaches behind the camera.
+    """
     sides = [view.project(front_corners(box, box.yaw + turn)) for turn in TURNS]
     best = 0 if hangs else int(np.argmax([area_of(pixels) for pixels in sides[:-1]]))
     pixels, behind = sides[best], sides[OPPOSITE[best]]

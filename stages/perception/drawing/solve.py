@@ -198,7 +198,10 @@ def _cause(item: DrawnObject, room: _Room) -> str:
 
 def _height(project: Project, view: PinholeView) -> float:
     """Height of the camera in metres, from the known length; `view` is one metre above the floor.
-    Raises MetrologyError: the known length cannot be measured in the picture."""
+
+    Raises:
+        MetrologyError: the known length cannot be measured in the picture.
+    """
     scale = project.scale
     metres = scale.metres or CAMERA_HEIGHT
     if scale.kind in ("camera", "depth"):

@@ -66,8 +66,11 @@ def side_angle(side: str) -> float:
 
 
 def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
-    """The drawing with the camera at the height that makes its floor agree with depth in metres. Raises InputError: the
-    depth shows too little of the floor that was drawn."""
+    """The drawing with the camera at the height that makes its floor agree with depth in metres.
+
+    Raises:
+        InputError: the depth shows too little of the floor that was drawn.
+    """
     unit = project.model_copy(update={"scale": project.scale.model_copy(update={"kind": "camera", "metres": 1.0})})
     untyped = {"width": None, "depth": None, "height": None}
     flat = unit.model_copy(update={"objects": [item.model_copy(update=untyped) for item in unit.objects]})
@@ -123,8 +126,16 @@ def write_folder(
     note: str = "",
 ) -> Written:
     """Write the five files, things.json, and `config.yaml`, which names the folder as a scene of an experiment.
-    `depth`: (H, W) metres by a sensor or a network; None: the depth of what was drawn; `note`: how sure the camera is,
-    for people. Raises InputError: nothing was drawn, or nothing of it can be seen."""
+
+    Args:
+        rgb: the upright picture (H, W, 3).
+        solved: the drawing, solved.
+        depth: (H, W) metres by a sensor or a network; None: the depth of what was drawn.
+        note: how sure the camera is, for people.
+
+    Raises:
+        InputError: nothing was drawn, or nothing of it can be seen.
+    """
     check_folder(folder, project.digest)
     placed = [item for item in project.objects if item.id in solved.boxes]
     painted = paint(project, solved)
@@ -162,15 +173,22 @@ def write_folder(
 
 
 def tint_picture(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: list[int]) -> NDArray[np.uint8]:
-    """The picture tinted by its masks, to show a person which pixels belong to which object. `objects`: mask values of
-    objects; what else has one is floor or wall, and tinted lightly."""
+    """The picture tinted by its masks, to show a person which pixels belong to which object.
+
+    Args:
+        objects: mask values of objects; what else has one is floor or wall, and tinted lightly.
+    """
     tints = np.array([color_of(value) for value in range(int(masks.max()) + 1)])[masks]
     strength = np.where(np.isin(masks, objects), 0.55, np.where(masks > 0, 0.22, 0.0))[..., None]
     return np.rint(rgb * (1 - strength) + tints * strength).astype(np.uint8)
 
 
 def at_size(depth: NDArray[np.float32], width: int, height: int) -> NDArray[np.float32]:
-    """Depth laid on the picture's pixels. Raises InputError: it has other proportions than the picture."""
+    """Depth laid on the picture's pixels.
+
+    Raises:
+        InputError: it has other proportions than the picture.
+    """
     if is_stretched(depth.shape[::-1], (width, height)):
         what = f"is {depth.shape[1]}x{depth.shape[0]}, of other proportions than the picture ({width}x{height})."
         raise InputError("--depth", what, "it must cover the same view as the upright picture", code="E-DEPTH-SIZE")

@@ -25,9 +25,14 @@ MOST = 0.5  # share of an end next to which something is, from which on it is so
 
 @dataclass(frozen=True)
 class Ends:
-    """The ends of a mask to the left, top, right and bottom. `at`: (4,) pixels, signed along `STEPS`: -x0, -y0, x1, y1.
-    `cut`: (4,) whether the picture's border ends it. `met`: of each side, the thing that it ends at; 0: none.
-    `limit`: (4,) where that thing ends, along the same direction."""
+    """The ends of a mask to the left, top, right and bottom.
+
+    Attributes:
+        at: (4,) pixels, signed along `STEPS`: -x0, -y0, x1, y1.
+        cut: (4,) whether the picture's border ends it.
+        met: of each side, the thing that it ends at; 0: none.
+        limit: (4,) where that thing ends, along the same direction.
+    """
 
     at: Array
     cut: Mask
@@ -142,8 +147,14 @@ def usual_of(category: CategoryFacts | None) -> SizeSpread:
 
 
 def find_supports(masks: NDArray[np.integer], known: Mapping[int, Kind], ends: Mapping[int, Ends]) -> dict[int, int]:
-    """What carries each thing: the value of another's mask, `FLOOR`, `WALL`, or `NOWHERE`: it is not seen.
-    `masks`: (H, W). `known`: what the things are, by the values of their masks. `ends`: likewise."""
+    """What carries each thing: the value of another's mask, `FLOOR`, `WALL`, or `NOWHERE`: it is
+    not seen.
+
+    Args:
+        masks: (H, W).
+        known: what the things are, by the values of their masks.
+        ends: likewise.
+    """
     carriers = [value for value, one in known.items() if one.carries]
     on = dict.fromkeys(known, FLOOR)
     for value, one in known.items():
@@ -206,10 +217,12 @@ def find_open(value: int, ends: Mapping[int, Ends], on: Mapping[int, int]) -> ND
 def list_items(
     masks: NDArray[np.integer], labels: Mapping[int, str], inside: Mask
 ) -> tuple[dict[int, FitItem], dict[int, int], dict[int, Kind]]:
-    """What stands of masks (H, W), to be fitted, what carries each thing (see `find_supports`), and what each is, by
-    values; where nothing stands that only the floor carries, a table top may be the ground.
-    `labels`: of the things, by the values of their masks. `inside`: (H, W) pixels that show something: no frame around
-    the picture."""
+    """The things of masks (H, W); where nothing stands that only the floor carries, a table top may be the ground.
+
+    Args:
+        labels: of the things, by the values of their masks.
+        inside: (H, W) pixels that show something: no frame around the picture.
+    """
     kinds = {value: kind_of(label) for value, label in labels.items()}
     ends = measure_all(masks, list(labels), inside)
     on = find_supports(masks, kinds, ends)

@@ -261,8 +261,12 @@ def place_things(camera: CameraPrior, items: Sequence[FitItem], state: Array) ->
 def fit_measurable(
     camera: CameraPrior, items: Mapping[int, FitItem], state: Array | None = None
 ) -> tuple[Fitted | None, list[int]]:
-    """The best fit of the things that can be fitted, and their names; None: of no thing. `items`: by name; what stands
-    on one that fits nowhere stands on the floor. `state`: of the camera (5,), which then stays."""
+    """The best fit of the things that can be fitted, and their names; None: of no thing.
+
+    Args:
+        items: by name; what stands on one that fits nowhere stands on the floor.
+        state: of the camera (5,), which then stays.
+    """
     kept = list(items)
     if not kept:
         return None, []

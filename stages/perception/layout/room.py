@@ -136,9 +136,14 @@ def arrange(
     inside: Mask,
     seen_by: Arrangement | None = None,
 ) -> Arrangement:
-    """What stands in a picture. `masks`: (H, W). `labels`: of the things, by the values of their masks; of none the
-    camera is a usual one. `inside`: (H, W) pixels that show something: no frame around the picture. `seen_by`: whose
-    camera stays; None: the camera is fitted, too."""
+    """What stands in a picture.
+
+    Args:
+        masks: (H, W).
+        labels: of the things, by the values of their masks; of none the camera is a usual one.
+        inside: (H, W) pixels that show something: no frame around the picture.
+        seen_by: whose camera stays; None: the camera is fitted, too.
+    """
     items, on, kinds = list_items(masks, labels, inside)
     fitted, values = fit_measurable(camera, items, seen_by.state if seen_by else None)
     return Arrangement(camera, fitted, values, on, kinds, odd=items.keys() - set(values))
@@ -147,8 +152,13 @@ def arrange(
 def build_room(
     rgb: NDArray[np.uint8], arranged: Arrangement, masks: NDArray[np.integer], seen_by: Arrangement | None = None
 ) -> FittedRoom:
-    """The room that a picture (H, W, 3) shows: what stands there, walls, and what hangs on them. `arranged`: what
-    stands there. `masks`: (H, W). `seen_by`: whose camera that is; None: its own."""
+    """The room that a picture (H, W, 3) shows: what stands there, walls, and what hangs on them.
+
+    Args:
+        arranged: what stands there.
+        masks: (H, W).
+        seen_by: whose camera that is; None: its own.
+    """
     camera, fitted = arranged.camera, (seen_by or arranged).fitted
     spread, doubt = measure_spread_of_lines(camera), ""
     if fitted is not None:

@@ -30,8 +30,11 @@ ALIGNED = 0.15  # of their width, by which the sides of pieces of one front are 
 
 
 def tell_kinds(features: NDArray[np.float32], masks: Sequence[Mask]) -> Array:
-    """The probability (N, 6) of each of `KINDS` for the outlines (H, W) of a picture. `features`: (256, 64, 64),
-    MobileSAM's of the picture."""
+    """The probability (N, 6) of each of `KINDS` for the outlines (H, W) of a picture.
+
+    Args:
+        features: (256, 64, 64), MobileSAM's of the picture.
+    """
     weights, bias = read_weights()
     scores = np.array([measure_outline(features, mask) for mask in masks]).reshape(-1, COLUMNS) @ weights + bias
     share = np.exp(scores - scores.max(axis=1, keepdims=True, initial=-np.inf))
@@ -40,8 +43,11 @@ def tell_kinds(features: NDArray[np.float32], masks: Sequence[Mask]) -> Array:
 
 @cache
 def read_weights(path: Path = WEIGHTS) -> tuple[Array, Array]:
-    """Weights (779, 6) and bias (6,), as `python -m benchmarks.outline_kinds` writes them. Raises InputError: the file
-    holds others."""
+    """Weights (779, 6) and bias (6,), as `python -m benchmarks.outline_kinds` writes them.
+
+    Raises:
+        InputError: the file holds others.
+    """
     from safetensors.numpy import load_file
 
     held = {name: np.asarray(one, float) for name, one in load_file(path).items()}

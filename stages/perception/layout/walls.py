@@ -32,9 +32,14 @@ def find_wall(
     segments: Array,
     far: Sequence[float],
 ) -> UprightPlane | None:
-    """The wall that looks along `normal`, if enough tells of one. `boxes`: of all that stands, in the room.
-    `against`: whether each is of a kind that stands against walls. `segments`: lines (N, 2, 2) of the picture outside
-    of things. `far`: how far before the camera each hung thing would be by its usual size, metres."""
+    """The wall that looks along `normal`, if enough tells of one.
+
+    Args:
+        boxes: of all that stands, in the room.
+        against: whether each is of a kind that stands against walls.
+        segments: lines (N, 2, 2) of the picture outside of things.
+        far: how far before the camera each hung thing would be by its usual size, metres.
+    """
     offsets = np.arange(0.5, FARTHEST, STEP)
     furniture, lines, hung, before = (np.zeros(len(offsets)) for _ in range(4))
     for box, is_against in zip(boxes, against, strict=True):
@@ -86,8 +91,13 @@ def hang_things(
     on: Mapping[int, int],
     boxes: Mapping[int, UprightBox],
 ) -> tuple[list[UprightPlane], dict[int, UprightBox], dict[int, int]]:
-    """The walls of a room; boxes of what hangs on them, and on which: -1 - k for wall k. `masks`: (H, W). `kinds`,
-    `on`: what each thing is, and what carries it, by the values of masks. `boxes`: of what stands, likewise."""
+    """The walls of a room; boxes of what hangs on them, and on which: -1 - k for wall k.
+
+    Args:
+        masks: (H, W).
+        kinds, on: what each thing is, and what carries it, by the values of masks.
+        boxes: of what stands, likewise.
+    """
     segments = list_free_segments(rgb, masks, list(on))
     sides, hung = [UprightPlane(normal, -1.0) for normal in NORMALS], [value for value in on if on[value] == WALL]
     rectangles = {value: [measure_rectangle(view, side, masks == value) for side in sides] for value in hung}

@@ -36,9 +36,15 @@ CORNER = 0.5  # pixels: where COLMAP and NeRF tools have the middle of the first
 
 
 def contents(path: Path, picture: str = "") -> list[float] | dict[str, Any]:
-    """Plain numbers; or names, in small letters and digits alone, with their values. `path`: JSON, YAML, text (COLMAP's
-    cameras.txt, too), NPY or NPZ. `picture`: the picture's file name, for files of many cameras.
-    Raises InputError: neither."""
+    """Plain numbers; or names, in small letters and digits alone, with their values.
+
+    Args:
+        path: JSON, YAML, text (COLMAP's cameras.txt, too), NPY or NPZ.
+        picture: the picture's file name, for files of many cameras.
+
+    Raises:
+        InputError: neither.
+    """
     with explain_unreadable(path, "file of intrinsics", KNOWS):
         data = load(path)
         if isinstance(data, list) and data and all(isinstance(one, float) for one in data):
@@ -76,7 +82,11 @@ def load(path: Path) -> Any:
 
 
 def parse_yaml(path: Path, text: str) -> Any:
-    """The data in a user's YAML. Raises InputError: it is large, or has aliases."""
+    """The data in a user's YAML.
+
+    Raises:
+        InputError: it is large, or has aliases.
+    """
     if len(text) > MAX_YAML:
         what = f"has {len(text):,} characters of YAML."
         raise InputError(path, what, "give what is needed alone", code="E-FILE-LARGE")
@@ -163,9 +173,14 @@ def _camera_of(entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def matrix_of(numbers: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[float, float] | None]:
-    """K (3, 3) and the picture's size, if it is among the numbers. They are fx, fy, cx, cy; with width and height
-    before or after them; or a matrix of 3x3, 3x4 or 4x4, row by row or column by column. Raises ValueError: they are
-    none of these, or have a skew."""
+    """K (3, 3) and the picture's size, if it is among the numbers.
+
+    They are fx, fy, cx, cy; with width and height before or after them; or a matrix of 3x3, 3x4 or 4x4, row by row or
+    column by column.
+
+    Raises:
+        ValueError: they are none of these, or have a skew.
+    """
     if len(numbers) == 4:
         return make_intrinsics(*numbers), None
     if len(numbers) == 6:

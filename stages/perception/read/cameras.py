@@ -42,9 +42,13 @@ def intrinsics_of_camera(name: str, width: int, height: int) -> Matrix:
 
 
 def find_intrinsics(path: Path, stated: list[float] | dict[str, Any], width: int, height: int) -> Matrix:
-    """K for a picture of this size, from what a file states (`contents`), of any usual layout (docs/your-data.md). If
-    the file states another size of the same proportions, K is scaled to the picture, which is printed.
-    Raises InputError: nothing of the kind, or a camera that cannot have taken a picture of this size."""
+    """K for a picture of this size, from what a file states (`contents`), of any usual layout (docs/your-data.md).
+
+    If the file states another size of the same proportions, K is scaled to the picture, which is printed.
+
+    Raises:
+        InputError: nothing of the kind, or a camera that cannot have taken a picture of this size.
+    """
     try:
         found, size = (
             read_names(path, stated, width, height) if isinstance(stated, dict) else matrix_of(np.array(stated))
@@ -62,7 +66,11 @@ def find_intrinsics(path: Path, stated: list[float] | dict[str, Any], width: int
 
 
 def check_intrinsics(where: object, intrinsics: Matrix, width: int, height: int) -> Matrix:
-    """K, checked: whether a camera that took a picture of this size can have it. Raises InputError: it cannot."""
+    """K, checked: whether a camera that took a picture of this size can have it.
+
+    Raises:
+        InputError: it cannot.
+    """
     try:
         check_view(width, height, intrinsics.tolist())
     except ValueError as error:
@@ -72,8 +80,11 @@ def check_intrinsics(where: object, intrinsics: Matrix, width: int, height: int)
 
 def read_names(path: Path, known: dict[str, Any], width: int, height: int) -> tuple[Matrix, tuple[float, float] | None]:
     """K and the size of its picture, if it is stated, from plain names; width, height: of our picture.
-    Raises InputError: it holds none, one that is no pinhole camera's, or one of a part of the picture. Raises
-    ValueError, TypeError, KeyError: its values are no numbers."""
+
+    Raises:
+        InputError: it holds none, one that is no pinhole camera's, or one of a part of the picture.
+        ValueError, TypeError, KeyError: its values are no numbers.
+    """
     model = str(find_first(known, "cameramodel", "cameratype", "projection") or "").lower()
     if set(model.replace("_", " ").replace("-", " ").split()) & NO_PINHOLE:
         model = str(known.get("distortionmodel") or model) if model == "unread" else model

@@ -30,7 +30,10 @@ CONFIDENCE = "the confidence of this very depth, or delete it"
 
 def read_array(path: Path, name: str) -> NDArray[Any]:
     """The array of an NPY file, or the one of this name or the only one of an NPZ file, without axes of length 1.
-    Raises InputError: several arrays, none of which is called so."""
+
+    Raises:
+        InputError: several arrays, none of which is called so.
+    """
     if path.suffix.lower() == ".npy":
         return np.squeeze(np.asarray(np.load(path, allow_pickle=False)))
     arrays = read_npz(path)
@@ -42,8 +45,11 @@ def read_array(path: Path, name: str) -> NDArray[Any]:
 
 
 def read_raw(path: Path) -> NDArray[Any]:
-    """The numbers (h, w) of a depth file, in its own unit. Raises InputError: no depth: missing, of another format, in
-    colors, or with 8 bits."""
+    """The numbers (h, w) of a depth file, in its own unit.
+
+    Raises:
+        InputError: no depth: missing, of another format, in colors, or with 8 bits.
+    """
     if path.suffix.lower() not in DEPTH_FILES:
         what = "is no kind of depth file that is known."
         raise InputError(path, what, f"one of {', '.join(DEPTH_FILES)}", code="E-DEPTH-FORMAT")
@@ -76,9 +82,15 @@ def _read_image(path: Path) -> NDArray[Any]:
 
 
 def remove_unsure(raw: NDArray[Any], path: Path) -> tuple[NDArray[Any], str]:
-    """Depth (h, w) that is unknown (0) where its camera is least sure, and a line with how much that is. `raw`: as
-    stored. `path`: how sure the camera is, 0 to 2, as phones with LiDAR write it: PNG or NPY. Raises InputError: no
-    such file, or one of another size."""
+    """Depth (h, w) that is unknown (0) where its camera is least sure, and a line with how much that is.
+
+    Args:
+        raw: as stored.
+        path: how sure the camera is, 0 to 2, as phones with LiDAR write it: PNG or NPY.
+
+    Raises:
+        InputError: no such file, or one of another size.
+    """
     with explain_unreadable(path, "file of confidence", CONFIDENCE):
         sure = read_array(path, "confidence") if path.suffix.lower() == ".npy" else read_masks(path)
     if sure.shape != raw.shape:
@@ -141,8 +153,11 @@ def find_cut_range(metres: NDArray[np.floating]) -> float | None:
 
 
 def read_exr(path: Path) -> NDArray[Any]:
-    """The channel (h, w) of depth, which is printed if there are others. Raises InputError: OpenEXR is not installed,
-    or no channel, or more than one, is called as depth is."""
+    """The channel (h, w) of depth, which is printed if there are others.
+
+    Raises:
+        InputError: OpenEXR is not installed, or no channel, or more than one, is called as depth is.
+    """
     try:
         import OpenEXR
     except ImportError:
@@ -166,7 +181,10 @@ def read_exr(path: Path) -> NDArray[Any]:
 
 def depth_channel(path: Path, channels: dict[str, NDArray[Any]]) -> str:
     """The name of the depth channel: one called Z or depth, or of a layer called so; else any, if all are the same.
-    Raises InputError: it may be one of several."""
+
+    Raises:
+        InputError: it may be one of several.
+    """
     named = [name for name in channels if "depth" in re.split(r"\W+", name.lower()) or _is_z(name, channels)]
     first, *others = named or list(channels)
     if not all(np.array_equal(channels[first], channels[other], equal_nan=True) for other in others):

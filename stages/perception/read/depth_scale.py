@@ -68,9 +68,13 @@ def find_stated_units(depth: Path, about: Path | None = None) -> list[Stated]:
 def find_scale(
     path: Path, known: NDArray[Any], unit: str, stated: Sequence[Stated], usual: float | None
 ) -> tuple[float, str]:
-    """The number that stands for one metre of depth with the `known` numbers (N,), and its source in words. It is that
-    of `unit` unless this is auto, else the one that files state, else the `usual` one, else the median's.
-    Raises InputError: there is none, or several."""
+    """The number that stands for one metre of depth with the `known` numbers (N,), and its source in words.
+
+    It is that of `unit` unless this is auto, else the one that files state, else the `usual` one, else the median's.
+
+    Raises:
+        InputError: there is none, or several.
+    """
     median = float(np.median(known))
     if unit != "auto":
         per_metre, how = _read_unit(unit), "as stated"
@@ -86,7 +90,10 @@ def find_scale(
 
 def choose_stated_scale(path: Path, stated: Sequence[Stated], median: float) -> tuple[float, str]:
     """The number that stands for one metre, and which file states it: the one that makes the median that of a room.
-    Raises InputError: there is none, or several."""
+
+    Raises:
+        InputError: there is none, or several.
+    """
     stating = ", ".join(map(str, stated[:3]))
     fitting: dict[str, tuple[float, Stated]] = {}
     for one in stated:

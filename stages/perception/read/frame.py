@@ -108,7 +108,10 @@ def check_upright(path: Path) -> None:
 
 def fit_frame(frame: Frame) -> Frame:
     """The frame at one size, at most `LONGEST_SIDE` pixels: depth and masks laid on the picture's pixels.
-    Raises InputError: depth has other proportions than the picture, so that it is of another view."""
+
+    Raises:
+        InputError: depth has other proportions than the picture, so that it is of another view.
+    """
     height, width = frame.rgb.shape[:2]
     if is_stretched(frame.depth.shape[::-1], (width, height)):
         what = f"is {frame.depth.shape[1]}x{frame.depth.shape[0]}, the picture {width}x{height}: other proportions."
@@ -164,7 +167,10 @@ class Place(NamedTuple):
 
 def doubt_depth(depth: NDArray[np.float32], rgb: NDArray[np.uint8], masks: NDArray[np.uint16] | None = None) -> str:
     """What makes it doubtful that depth (H, W) is of the view of rgb (H, W, 3) and masks (H, W); "" if nothing.
-    Raises InputError: it fits when it is mirrored, or shown larger or smaller."""
+
+    Raises:
+        InputError: it fits when it is mirrored, or shown larger or smaller.
+    """
     if (shrunk := depth.shape[1] / WIDTH) > 1:
         size = WIDTH, round(depth.shape[0] / shrunk)
         depth = np.asarray(cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST))

@@ -42,8 +42,11 @@ class Lens:
 
 
 def read_lens(path: Path, width: int, height: int, picture: str = "") -> Lens:
-    """The camera of a picture of this size; `picture`: its file name, for files of many cameras. Raises InputError: no
-    intrinsics, or a lens of a model that is not read."""
+    """The camera of a picture of this size; `picture`: its file name, for files of many cameras.
+
+    Raises:
+        InputError: no intrinsics, or a lens of a model that is not read.
+    """
     stated = contents(path, picture)
     intrinsics = find_intrinsics(path, stated, width, height)
     return Lens(intrinsics, find_distortion(path, stated, intrinsics, width, height))
@@ -52,8 +55,11 @@ def read_lens(path: Path, width: int, height: int, picture: str = "") -> Lens:
 def find_distortion(
     path: Path, known: list[float] | dict[str, Any], intrinsics: Matrix, width: int, height: int
 ) -> NDArray[np.float64] | None:
-    """OpenCV's coefficients (5, 8, 12 or 14) in what a file states; None if it names none. Raises InputError: they are
-    of a model that is not read, or broken."""
+    """OpenCV's coefficients (5, 8, 12 or 14) in what a file states; None if it names none.
+
+    Raises:
+        InputError: they are of a model that is not read, or broken.
+    """
     if not isinstance(known, dict):
         return None
     model = known.get("distortionmodel") or (known.get("model") if "coeffs" in known else "")
@@ -142,7 +148,10 @@ def straighten_picture(rgb: NDArray[np.uint8], lens: Lens, where: object) -> tup
 
 def straighten_frame(frame: Frame, distortion: NDArray[np.float64] | None) -> Frame:
     """A frame of one size as a pinhole camera would see it; depth and masks by the nearest pixel, unmixed.
-    Raises InputError: the distortion leaves nothing of the picture."""
+
+    Raises:
+        InputError: the distortion leaves nothing of the picture.
+    """
     lens = Lens(frame.intrinsics, distortion)
     if not lens.bends:
         return frame

@@ -131,7 +131,11 @@ def _is_of_values(data: Any) -> bool:
 
 
 def _read_beside(names: Path, width: int, height: int) -> Labelled:
-    """Masks of the picture of values that lies beside its names. Raises InputError: there is none."""
+    """Masks of the picture of values that lies beside its names.
+
+    Raises:
+        InputError: there is none.
+    """
     if (values := names.with_suffix(".png")).is_file():
         print(f"{names}: has the names of {values.name}")
         return read_label_image(values, names, width, height)
@@ -142,7 +146,10 @@ def _read_beside(names: Path, width: int, height: int) -> Labelled:
 
 def read_label_image(path: Path, labels: Path | None, width: int, height: int) -> Labelled:
     """Masks of a picture of this size. Prints the values without a name, and the names without a pixel.
-    Raises InputError: no label image, one of another size, or names that are not those of its values."""
+
+    Raises:
+        InputError: no label image, one of another size, or names that are not those of its values.
+    """
     names, colored = ({}, False) if labels is None else read_names(labels)
     shown, colors = _read_values(path, colored)
     check_size(path, (shown.shape[1], shown.shape[0]), width, height)
@@ -183,7 +190,11 @@ def _read_values(path: Path, colored: bool) -> tuple[NDArray[Any], bool]:
 
 
 def _read_numbers(path: Path) -> NDArray[Any]:
-    """Values (H, W) of an array. Raises InputError: it is no picture of whole numbers."""
+    """Values (H, W) of an array.
+
+    Raises:
+        InputError: it is no picture of whole numbers.
+    """
     with explain_unreadable(path, "array", ARRAY):
         array = read_array(path, "masks")
     if array.ndim != 2 or array.dtype.kind not in "biuf" or (array.dtype.kind == "f" and (array % 1 != 0).any()):

@@ -33,8 +33,11 @@ TURNED = ("angle", "rotation", "direction")  # of a rectangle
 
 
 def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[MaskShape]:
-    """All annotations of the picture of this size and name. Raises InputError: it is broken, of another size, of other
-    pictures, or has an annotation that cannot be read."""
+    """All annotations of the picture of this size and name.
+
+    Raises:
+        InputError: it is broken, of another size, of other pictures, or has an annotation that cannot be read.
+    """
     with explain_unreadable(path, "COCO file"):
         names = {category["id"]: str(category["name"]).strip() for category in data["categories"]}
         image = _find_image(path, data, picture)
@@ -175,8 +178,11 @@ def _unpack_runs(text: str) -> list[int]:
 
 
 def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[MaskShape]:
-    """All shapes of a file for a picture of this size and name. Raises InputError: it is broken, of another size, or
-    has a shape that cannot be read."""
+    """All shapes of a file for a picture of this size and name.
+
+    Raises:
+        InputError: it is broken, of another size, or has a shape that cannot be read.
+    """
     with explain_unreadable(path, "labelme file"):
         check_size(path, (int(data.get("imageWidth") or width), int(data.get("imageHeight") or height)), width, height)
         named = Path(str(data.get("imagePath") or "").replace("\\", "/"))

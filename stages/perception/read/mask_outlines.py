@@ -75,9 +75,19 @@ def _load(path: Path) -> Any:
 def choose_named(
     path: Path, found: Mapping[int, str], labels: Path | None, names: Mapping[int, str], kind: str, fix: str
 ) -> list[int]:
-    """Which of the numbers that masks have are named; the others are printed. `found`: the numbers, as they are told;
-    `names`: what the file of `labels` holds; `kind`: what the numbers are, in the plural; `fix`: how to give names.
-    Raises InputError: none is named."""
+    """Which of the numbers that masks have are named. The others are printed.
+
+    Args:
+        path: of the masks.
+        found: the numbers, as they are told.
+        labels: the file of names, if there is one.
+        names: what it holds.
+        kind: what the numbers are, in the plural.
+        fix: how to give names.
+
+    Raises:
+        InputError: none is named.
+    """
     if labels is None:
         raise InputError(path, f"has {len(found)} {kind} without names.", fix, code="E-MASKS-NAMES")
     known = [number for number in found if number in names]
@@ -93,7 +103,10 @@ def choose_named(
 
 def read_yolo(path: Path, labels: Path | None, width: int, height: int) -> Labelled:
     """Masks of a text file: in each line a class and the corners of a polygon, or the middle and size of a box.
-    Raises InputError: no such lines, classes without names, or a shape that cannot be read."""
+
+    Raises:
+        InputError: no such lines, classes without names, or a shape that cannot be read.
+    """
     with explain_unreadable(path, "text file of YOLO", LINE):
         lines = {number: line.split() for number, line in enumerate(decode_file(path).splitlines(), 1)}
     rows = {number: _read_line(path, number, words) for number, words in lines.items() if words}
@@ -140,8 +153,11 @@ def _fill_shares(shares: list[float], width: int, height: int) -> tuple[Mask, st
 
 
 def read_folder(path: Path, labels: Path | None, width: int, height: int) -> Labelled:
-    """Masks of a folder: a picture for each outline, called by its number (0.png). Raises InputError: no such pictures,
-    ones of another size, or outlines without names."""
+    """Masks of a folder: a picture for each outline, called by its number (0.png).
+
+    Raises:
+        InputError: no such pictures, ones of another size, or outlines without names.
+    """
     files = sorted(file for file in path.iterdir() if file.suffix.lower() == ".png")
     numbered = {int(digits[-1]): file for file in files if (digits := re.findall(r"\d+", file.stem))}
     if len(numbered) < len(files) or not files:

@@ -60,7 +60,10 @@ def _find_things(
     values: NDArray[np.uint16], value: int, things: Mask, seen: PointMap, told_apart: bool
 ) -> tuple[list[Mask], float]:
     """The pixels (H, W) of each thing of a value, and the metres between pieces that may be one, or 0.
-    `told_apart`: any pieces may be one."""
+
+    Args:
+        told_apart: any pieces may be one.
+    """
     parts, sizes = _parts(values == value, 8)
     large = 1 + np.flatnonzero(sizes >= max(LARGE_PIXELS, LARGE_SHARE * sizes.max(initial=0)))
     pieces = [mask for part in large if (mask := (parts == part) & seen.known).any()]

@@ -37,7 +37,15 @@ class ShapeError(ValueError):
 
 def lay_shapes(path: Path, shapes: Sequence[MaskShape], kind: str) -> Labelled:
     """All shapes in one label image; of two that overlap the smaller one lies on top. Prints how many are used.
-    `kind`: what the file calls them, in the plural. Raises InputError: no shape has a pixel."""
+
+    Args:
+        path: of their file.
+        shapes: in its order.
+        kind: what it calls them, in the plural.
+
+    Raises:
+        InputError: no shape has a pixel.
+    """
     objects: dict[Hashable, Mask] = {}
     members: dict[Hashable, list[MaskShape]] = {}
     remarks: list[tuple[str, str]] = []
@@ -73,8 +81,11 @@ def list_remarks(remarks: Iterable[tuple[str, str]]) -> str:
 
 
 def fill_outline(points: Any, shape: tuple[int, int]) -> Mask:
-    """Pixels (H, W) inside a polygon; its corners, in pixels, are pairs or x and y in turn. Raises ShapeError: no
-    numbers, not in pairs, in shares of the picture, or far outside of it: no corners."""
+    """Pixels (H, W) inside a polygon; its corners, in pixels, are pairs or x and y in turn.
+
+    Raises:
+        ShapeError: no numbers, not in pairs, in shares of the picture, or far outside of it: no corners.
+    """
     try:
         corners = np.asarray(points, dtype=np.float64).ravel()
     except (ValueError, TypeError):

@@ -99,8 +99,11 @@ def _check_perspective(path: Path, panorama: bool, width: int, height: int) -> N
 
 
 def check_photo(path: Path) -> None:
-    """Refuse what is no photograph, by its header alone. Raises InputError: as `read_photo`, but for what only its
-    pixels tell."""
+    """Refuse what is no photograph, by its header alone.
+
+    Raises:
+        InputError: as `read_photo`, but for what only its pixels tell.
+    """
     check_file(path)
     if _is_heif(path):
         with _open_heif(path):
@@ -123,8 +126,14 @@ def shows_all_around(rgb: NDArray[np.uint8]) -> bool:
 
 
 def read_photo(path: Path, lens: Path | None = None) -> Photo:
-    """Read a photograph. `lens`: calibration of the camera, used to remove distortion. Raises InputError: no picture or
-    no file, a panorama, or one that shows nothing."""
+    """Read a photograph.
+
+    Args:
+        lens: calibration of the camera, used to remove distortion.
+
+    Raises:
+        InputError: no picture or no file, a panorama, or one that shows nothing.
+    """
     check_file(path)
     if _is_heif(path):
         with _open_heif(path) as opened:
@@ -150,7 +159,11 @@ def read_photo(path: Path, lens: Path | None = None) -> Photo:
 
 
 def read_known(path: Path, options: CameraSection) -> tuple[Photo, float | None, str]:
-    """A photograph, its focal length, pixels, and who tells that; None: nobody. Raises InputError: as `read_photo`."""
+    """A photograph, its focal length, pixels, and who tells that; None: nobody.
+
+    Raises:
+        InputError: as `read_photo`.
+    """
     photo = read_photo(path, Path(options.lens) if options.lens else None)
     if options.field_of_view is not None:
         focal = photo.rgb.shape[1] / 2 / np.tan(np.deg2rad(options.field_of_view) / 2)

@@ -50,7 +50,10 @@ class ViewFiles:
 
 def choose_camera(given: Sequence[str]) -> tuple[CameraReader | None, Path | None]:
     """What reads the camera, and its file, by the words of an option: a file; a name; degrees; or fx, fy, cx, cy.
-    Raises InputError: so many words are none of these."""
+
+    Raises:
+        InputError: so many words are none of these.
+    """
     if not given:
         return None, None
     try:
@@ -71,9 +74,18 @@ def choose_camera(given: Sequence[str]) -> tuple[CameraReader | None, Path | Non
 
 
 def read_frame(view: ViewFiles, unit: str, depth_is: str, masks: Path | None, labels: Path | None) -> Frame:
-    """Picture, depth, camera and masks of a view. What is lost of the masks is printed. `unit`: of the depth, as
-    of `convert_to_metres`; `depth_is`: z or ray: what the numbers are distances along; `labels`: names of the masks'
-    values. Raises InputError: one of its files cannot be used, or they do not lie on each other."""
+    """Picture, depth, camera and masks of a view. What is lost of the masks is printed.
+
+    Args:
+        view: the files.
+        unit: of the depth, as of `convert_to_metres`.
+        depth_is: z or ray: what the numbers are distances along.
+        masks: a file of masks.
+        labels: names of their values.
+
+    Raises:
+        InputError: one of its files cannot be used, or they do not lie on each other.
+    """
     rgb = read_rgb(view.color)
     check_shown(view.color, rgb)
     check_upright(view.color)
@@ -107,8 +119,11 @@ def read_frame(view: ViewFiles, unit: str, depth_is: str, masks: Path | None, la
 
 
 def check_floor(frame: Frame) -> None:
-    """Refuse a frame that is upside down with its depth and masks. Raises InputError: what is called floor is above the
-    camera, or nothing level faces up."""
+    """Refuse a frame that is upside down with its depth and masks.
+
+    Raises:
+        InputError: what is called floor is above the camera, or nothing level faces up.
+    """
     points, known = back_project(frame.depth.astype(float), frame.intrinsics), frame.depth > 0
     floors = [value for value, name in frame.masks.labels.items() if surface_of(name) == "floor"] if frame.masks else []
     if floors:
@@ -123,8 +138,17 @@ def check_floor(frame: Frame) -> None:
 
 
 def find_view(path: Path, number: int, camera: CameraReader | None, camera_file: Path | None = None) -> ViewFiles:
-    """Frame `number`, from 0, of the recording in a folder. `camera`: what to use in the place of the recording's own;
-    `camera_file`: the file that it is from. Raises InputError: no known layout, no such frame, or a broken one."""
+    """Frame `number`, from 0, of a recording.
+
+    Args:
+        path: folder of the recording.
+        number: of the frame, in the order of the recording.
+        camera: what to use in the place of the recording's own.
+        camera_file: the file that it is from, if it is from one.
+
+    Raises:
+        InputError: no known layout, no such frame, or a broken one.
+    """
     frames = list_frames(path)
     if not 0 <= number < len(frames):
         what = f"{path} has {len(frames)} frames, counted from 0: there is no {number}."

@@ -125,9 +125,14 @@ class MaskDecoder(nn.Module):
         self.iou_prediction_head = Layers(1 + MASKS)
 
     def forward(self, prompts: Tensor, picture: Tensor, places: Tensor, size: tuple[int, int]) -> tuple[Tensor, Tensor]:
-        """Logits (N, MASKS, 4 rows, 4 columns) and guessed IoU (N, MASKS). `prompts`: (N, T, WIDTH) tokens.
-        `picture`: (1, SIDE^2, WIDTH) its embedding. `places`: (1, SIDE^2, WIDTH) what says where they are. `size`: rows
-        and columns of places that the picture fills."""
+        """Logits (N, MASKS, 4 rows, 4 columns) and guessed IoU (N, MASKS).
+
+        Args:
+            prompts: (N, T, WIDTH) tokens.
+            picture: (1, SIDE^2, WIDTH) its embedding.
+            places: (1, SIDE^2, WIDTH) what says where they are.
+            size: rows and columns of places that the picture fills.
+        """
         own = torch.cat([self.iou_token.weight, self.mask_tokens.weight]).expand(len(prompts), -1, -1)
         tokens, picture = self.transformer(torch.cat([own, prompts], 1), picture, places)
         kernels = [mlp(tokens[:, 2 + k]) for k, mlp in enumerate(self.output_hypernetworks_mlps[1:])]

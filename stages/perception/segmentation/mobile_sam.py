@@ -34,9 +34,13 @@ COVERS = 0.8  # least of both of an outline that covers, so that nothing inside 
 
 
 class Outlines(NamedTuple):
-    """Three guesses for each of N prompts. `logits`: (N, 3, h, w) float16, above 0 inside; h, w: the picture with a
-    longer side of 256. `scores`: (N, 3) IoU with the thing meant, as the network guesses. `stability`: (N, 3) share of
-    the pixels with a logit above -1 that have one above 1."""
+    """Three guesses for each of N prompts.
+
+    Attributes:
+        logits: (N, 3, h, w) float16, above 0 inside; h, w: the picture with a longer side of 256.
+        scores: (N, 3) IoU with the thing meant, as the network guesses.
+        stability: (N, 3) share of the pixels with a logit above -1 that have one above 1.
+    """
 
     logits: NDArray[np.float16]
     scores: NDArray[np.float32]
@@ -55,7 +59,11 @@ class MobileSam:
     """The network with its published weights."""
 
     def __init__(self, path: Path | None = None) -> None:
-        """Load the weights. Raises InputError: they are not there, or others."""
+        """Load the weights.
+
+        Raises:
+            InputError: they are not there, or others.
+        """
         path = path or find_weights(MOBILE_SAM)
         weights = torch.load(path, map_location="cpu", weights_only=True)
         self._network = _Network()

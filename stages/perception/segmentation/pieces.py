@@ -40,9 +40,14 @@ def propose(view: RoomView, options: OutlineSection) -> list[Proposal]:
 
 
 def join_pixels(depth: Array, heights: Array, free: Mask, joins: list[Mask]) -> NDArray[np.int32]:
-    """The piece (h, w) of every pixel. `depth`: (h, w) metres. `heights`: (h, w) of what faces up, metres, else NaN.
-    `free`: (h, w) pixels of things. `joins`: (h, w) whether a pixel may be joined with its neighbour to the right, and
-    with that below."""
+    """The piece (h, w) of every pixel.
+
+    Args:
+        depth: (h, w) metres.
+        heights: (h, w) of what faces up, metres, else NaN.
+        free: (h, w) pixels of things.
+        joins: (h, w) whether a pixel may be joined with its neighbour to the right, and with that below.
+    """
     number, links = np.arange(depth.size).reshape(depth.shape), []
     for axis, join in zip((1, 0), joins, strict=True):
         one, other = (slice(None),) * axis + (slice(-1),), (slice(None),) * axis + (slice(1, None),)
@@ -56,9 +61,15 @@ def join_pixels(depth: Array, heights: Array, free: Mask, joins: list[Mask]) -> 
 
 
 def measure_bends(points: Array, free: Mask, camera: Array) -> tuple[list[Array], Mask]:
-    """How the surface bends at each pixel, (h, w), along rows and along columns, and which pixels (h, w) face up. It is
-    the difference of the normals `REACH` pixels on either side along the line between them: below 0 in a hollow.
-    `points`: (h, w, 3). `free`: (h, w) pixels of things. `camera`: (3,)."""
+    """How the surface bends at each pixel, (h, w), along rows and along columns, and which pixels (h, w) face up.
+
+    It is the difference of the normals `REACH` pixels on either side along the line between them: below 0 in a hollow.
+
+    Args:
+        points: (h, w, 3).
+        free: (h, w) pixels of things.
+        camera: (3,).
+    """
     weight = cv2.blur(free.astype(float), (3, 3))
     points = cv2.blur(np.where(free[..., None], points, 0.0), (3, 3)) / np.maximum(weight, 1e-6)[..., None]
     sides = [_on_either_side(points, axis) for axis in (1, 0)]

@@ -39,9 +39,14 @@ INDOORS = {
 
 @dataclass(frozen=True)
 class DetectedBox:
-    """A thing that was found. `box`: x0, y0, x1, y1 in pixels, within the picture. `name`: of its class, COCO's.
-    `score`: of that class, 0 to 1. `scores`: of every class that the network saw there, the best first; they need not
-    add up to 1."""
+    """A thing that was found.
+
+    Attributes:
+        box: x0, y0, x1, y1 in pixels, within the picture.
+        name: of its class, COCO's.
+        score: of that class, 0 to 1.
+        scores: of every class that the network saw there, the best first; they need not add up to 1.
+    """
 
     box: tuple[float, float, float, float]
     name: str
@@ -53,7 +58,11 @@ class Ssd:
     """The network with its published weights."""
 
     def __init__(self, folder: Path = FOLDER) -> None:
-        """Load the weights. Raises InputError: they are not there, or others."""
+        """Load the weights.
+
+        Raises:
+            InputError: they are not there, or others.
+        """
         graph, text = find_weights(SSD, folder), find_weights(SSD_GRAPH, folder)
         self._network = cv2.dnn.readNetFromTensorflow(str(graph), str(text))
 
