@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from roomkin.stages.cli import progress
 from roomkin.stages.config.perception import OutlineSection, SeeOptions, SeeSection
