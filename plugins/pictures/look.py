@@ -29,9 +29,8 @@ def furnish(generated: GeneratedScene, items: list[Placed], look: Look) -> sapie
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = float(np.linalg.norm(points - center, axis=1).max()) + BEYOND
     scene = make_scene(light=look.light, shaded=(center.tolist(), radius))
-    add_backdrop(
-        scene, [item.box for item in items], generated.walls, np.array(generated.floor_from_camera)[:3, 3], look
-    )
+    camera = np.array(generated.floor_from_camera)[:3, 3]
+    add_backdrop(scene, [item.box for item in items], generated.walls, camera, look)
     load_items(scene, items)
     return scene
 
@@ -68,11 +67,6 @@ def draw_side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Im
         canvas.text((x + width / 2, y + title_height / 2), title, fill="black", font=font, anchor="mm")
         sheet.paste(Image.fromarray(picture).resize((width, height)), (x, y + title_height))
     return sheet
-
-
-def draw_thumbnail(pictures: list[NDArray[np.uint8]]) -> Image.Image:
-    """Pictures of one size beside each other, small."""
-    return Image.fromarray(np.hstack([resize_to(picture, 144) for picture in pictures]))
 
 
 Array = NDArray[np.float64]

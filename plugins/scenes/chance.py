@@ -4,6 +4,7 @@ import colorsys
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,9 +104,8 @@ def draw_room(
         camera = frame(points, drawn.camera, options.width, options.height, MARGIN)
         if are_all_seen(boxes, *camera, options.width, options.height):
             return CastRoom(drawn, layout, assets)
-    raise InputError(
-        library, f"{room.name}: no draw of models and places fits.", "change the seed", code="E-ROOM-LAYOUT"
-    )
+    what = f"{room.name}: no draw of models and places fits."
+    raise InputError(library, what, "change the seed", code="E-ROOM-LAYOUT")
 
 
 def redraw_recipe(room: recipe.RoomPlan, rng: Rng, reach: float = 1.0) -> recipe.RoomPlan:
@@ -131,36 +131,34 @@ def colors(rng: Rng) -> dict[str, recipe.Color]:
 
 def _mirror_item(item: recipe.Item) -> recipe.Item:
     """Left and right exchanged."""
-    place: recipe.Place = item.place
-    if isinstance(place, recipe.Against):
-        along = -place.along if place.against == "back" else place.along
-        place = recipe.Against(against=MIRRORED[place.against], along=along, gap=place.gap)
-    elif isinstance(place, recipe.Hung):
-        along = -place.along if place.hung == "back" else place.along
-        place = recipe.Hung(hung=MIRRORED[place.hung], along=along, z=place.z)
+    place, change = item.place, dict[str, Any]()
+    if isinstance(place, recipe.Against | recipe.Hung):
+        key = "against" if isinstance(place, recipe.Against) else "hung"
+        wall = getattr(place, key)
+        change = {key: MIRRORED[wall], "along": -place.along if wall == "back" else place.along}
     elif isinstance(place, recipe.Beside):
-        place = recipe.Beside(beside=place.beside, side="left" if place.side == "right" else "right", gap=place.gap)
+        change = {"side": "left" if place.side == "right" else "right"}
     elif isinstance(place, recipe.Floor):
-        place = recipe.Floor(floor=(place.floor[0], -place.floor[1]), yaw=-place.yaw)
+        change = {"floor": (place.floor[0], -place.floor[1]), "yaw": -place.yaw}
     else:
-        place = recipe.On(on_top=place.on_top, forward=place.forward, right=-place.right, yaw=-place.yaw)
-    return item.model_copy(update={"place": place})
+        change = {"right": -place.right, "yaw": -place.yaw}
+    return item.model_copy(update={"place": place.model_copy(update=change)})
 
 
 def _move_item(item: recipe.Item, rng: Rng, reach: float) -> recipe.Item:
     a, b, c = (reach * rng.uniform(-1, 1, 3)).tolist()
-    place: recipe.Place = item.place
+    place, change = item.place, dict[str, Any]()
     if isinstance(place, recipe.Against):
-        place = place.model_copy(update={"along": place.along + ALONG * a})
+        change = {"along": place.along + ALONG * a}
     elif isinstance(place, recipe.Hung):
-        place = place.model_copy(update={"along": place.along + ALONG * a, "z": place.z + HEIGHT * b})
+        change = {"along": place.along + ALONG * a, "z": place.z + HEIGHT * b}
     elif isinstance(place, recipe.Floor):
         x, y = place.floor
-        place = recipe.Floor(floor=(x + ON_FLOOR * a, y + ON_FLOOR * b), yaw=place.yaw + TURN * c)
+        change = {"floor": (x + ON_FLOOR * a, y + ON_FLOOR * b), "yaw": place.yaw + TURN * c}
     elif isinstance(place, recipe.On):
         forward, right = np.clip([place.forward + ON_TOP * a, place.right + ON_TOP * b], -1, 1).tolist()
-        place = recipe.On(on_top=place.on_top, forward=forward, right=right, yaw=place.yaw + TURN * c)
-    return item.model_copy(update={"place": place})
+        change = {"forward": forward, "right": right, "yaw": place.yaw + TURN * c}
+    return item.model_copy(update={"place": place.model_copy(update=change)})
 
 
 def are_all_seen(

@@ -53,9 +53,8 @@ def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, se
         if layout is not None:
             break
     else:
-        raise InputError(
-            cast_room.room.name, "its models fit at no other size.", "change the seed", code="E-ROOM-LAYOUT"
-        )
+        what = "its models fit at no other size."
+        raise InputError(cast_room.room.name, what, "change the seed", code="E-ROOM-LAYOUT")
     folders = {name: out / name for name in cast_room.assets}
     assets = {
         name: _paint_model(asset, library[asset.id], sizes[name], folders[name], rng)

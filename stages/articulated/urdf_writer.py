@@ -43,40 +43,34 @@ def write_urdf(robot: RobotModel, folder: Path) -> Path:
         _add_link(root, folder, link, stem)
         if link.name in joint_of:
             _add_joint(root, joint_of[link.name], moving)
-    ET.indent(root)
-    (folder / "model.urdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
-    if robot.touching:
-        write_srdf(robot, folder)
+    _write_xml(root, folder / "model.urdf")
+    if robot.touching:  # by which SAPIEN lets links that touch when closed pass through each other
+        root = ET.Element("robot", name=robot.name)
+        for one, other in robot.touching:
+            ET.SubElement(root, "disable_collisions", link1=one, link2=other, reason="Default")
+        _write_xml(root, folder / "model.srdf")
     return folder
+
+
+def _write_xml(root: ET.Element, path: Path) -> None:
+    ET.indent(root)
+    path.write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
 
 
 def as_written(robot: RobotModel) -> RobotModel:
     """The model with what collides, and the origins of its joints, to the digits that its files have."""
-    links = {
-        name: replace(link, collisions=list(map(_round_piece, link.collisions))) for name, link in robot.links.items()
-    }
-    joints = [
-        replace(joint, origin=make_transform(joint.origin[:3, :3], joint.origin[:3, 3].round(5)))
-        for joint in robot.joints
-    ]
+    rounded = {name: list(map(_round_piece, link.collisions)) for name, link in robot.links.items()}
+    links = {name: replace(link, collisions=rounded[name]) for name, link in robot.links.items()}
+    frames = [make_transform(joint.origin[:3, :3], joint.origin[:3, 3].round(5)) for joint in robot.joints]
+    joints = [replace(joint, origin=frame) for joint, frame in zip(robot.joints, frames, strict=True)]
     return replace(robot, links=links, joints=joints)
 
 
 def _round_piece(piece: Trimesh) -> Trimesh:
     if not is_box(piece):
         return Trimesh(piece.vertices.round(5), piece.faces, process=False)
-    return trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5)).apply_translation(
-        piece.bounds.mean(axis=0).round(5)
-    )
-
-
-def write_srdf(robot: RobotModel, folder: Path) -> None:
-    """Write model.srdf, by which SAPIEN lets links that touch when closed pass through each other."""
-    root = ET.Element("robot", name=robot.name)
-    for one, other in robot.touching:
-        ET.SubElement(root, "disable_collisions", link1=one, link2=other, reason="Default")
-    ET.indent(root)
-    (folder / "model.srdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
+    box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
+    return box.apply_translation(piece.bounds.mean(axis=0).round(5))
 
 
 def _file_stems(links: list[str]) -> list[str]:
@@ -133,9 +127,8 @@ def _add_joint(root: ET.Element, joint: JointModel, moving: set[str]) -> None:
     element = ET.SubElement(root, "joint", name=joint.name, type=joint.type)
     ET.SubElement(element, "parent", link=joint.parent)
     ET.SubElement(element, "child", link=joint.child)
-    ET.SubElement(
-        element, "origin", xyz=numbers(joint.origin[:3, 3]), rpy=_format_values(_roll_pitch_yaw(joint.origin))
-    )
+    turn = _format_values(_roll_pitch_yaw(joint.origin))
+    ET.SubElement(element, "origin", xyz=numbers(joint.origin[:3, 3]), rpy=turn)
     if joint.type == "fixed":
         return
     ET.SubElement(element, "axis", xyz=_format_values(joint.axis))

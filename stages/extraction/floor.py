@@ -88,9 +88,8 @@ def check_smooth(depth: NDArray[np.floating]) -> None:
     steps = np.abs(np.diff(depth, axis=1))[known] / depth[:, 1:][known]
     if len(steps) and (rough := float(np.median(steps))) > ROUGH:
         what = f"is noise: neighbouring pixels differ by {100 * rough:.0f} % in the median."
-        raise InputError(
-            "depth.npz", what, "give depth of this picture, unpacked as its camera says", code="E-DEPTH-NOISE"
-        )
+        fix = "give depth of this picture, unpacked as its camera says"
+        raise InputError("depth.npz", what, fix, code="E-DEPTH-NOISE")
 
 
 def find_floor_frame(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng: np.random.Generator) -> Array:

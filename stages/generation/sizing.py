@@ -72,10 +72,7 @@ class VisibleSolid:
         )
 
 
-@lru_cache(maxsize=64)
-def read_solid(folder: Path) -> VisibleSolid:
-    """The solid of a model of the library."""
-    return VisibleSolid(folder)
+read_solid = lru_cache(maxsize=64)(VisibleSolid)  # of a folder of the library
 
 
 POINTS = 400  # of a cloud, for time

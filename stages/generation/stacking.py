@@ -12,7 +12,8 @@ from shapely.ops import nearest_points
 
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts.category import CategoryFacts, find_category, may_stand_on
-from roomkin.stages.generation.placed import FLOOR, UNNAMED, WALL, Placed, Prism
+from roomkin.stages.contracts.types import FLOOR, UNNAMED, WALL
+from roomkin.stages.generation.placed import Placed, Prism
 from roomkin.stages.geometry.boxes import THINNEST, footprint
 
 HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing; chosen
@@ -232,9 +233,8 @@ def put_on_supports(items: list[Placed], supports: dict[str, str], steady: bool 
                 moved = item.shift([there.x - here.x, there.y - here.y, 0.0])
         rise = beneath - item.bottom
         moved = moved.shift([0, 0, max(0.0, rise) if item.wall_mounted else rise])
-        done[item.id] = replace(
-            item.change_box("on what carries it", moved.box), support=WALL if item.wall_mounted else support
-        )
+        support = WALL if item.wall_mounted else support
+        done[item.id] = replace(item.change_box("on what carries it", moved.box), support=support)
     return list(done.values())
 
 

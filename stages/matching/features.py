@@ -45,13 +45,9 @@ def run(*, snapshots: Path, out: Path, options: str = "{}") -> None:
                 wholes.append(pool_patches(patches))
                 starts.append(starts[-1] + len(patches))
         index = FeatureIndex(
-            encoder=settings.encoder,
-            settings=settings_digest(settings, encoder),
-            upright=shard.sidecar.elevation is not None,
-            assets=shard.sidecar.assets,
-            yaws=shard.sidecar.yaws,
-            starts=starts,
-        )
+            encoder=settings.encoder, settings=settings_digest(settings, encoder), starts=starts,
+            upright=shard.sidecar.elevation is not None, assets=shard.sidecar.assets, yaws=shard.sidecar.yaws,
+        )  # fmt: skip
     write_store(out, index, rows, wholes, codec)
 
 

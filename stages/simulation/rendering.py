@@ -119,9 +119,8 @@ def make_scene(
         device = [sapien.Device("cpu")] if render_backend() == "cpu" else []  # none: SAPIEN takes the GPU
         renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:
-        raise InputError(
-            "renderer", f"no Vulkan device ({error}).", "roomkin check", code="E-RENDERER-MISSING"
-        ) from None
+        what = f"no Vulkan device ({error})."
+        raise InputError("renderer", what, "roomkin check", code="E-RENDERER-MISSING") from None
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])
     scene.timestep = 0.01
     scene.set_ambient_light([0.42, 0.42, 0.44])
@@ -198,10 +197,8 @@ class RenderCamera:
 
 def _blend_background(rgba: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Colors (H, W, 3) of pixels (H, W, 4) that show something, elsewhere the background; four bytes at a time."""
-    background = np.array([0.82, 0.82, 0.84, 0.0]) * 255
-    pixels = np.where(
-        seen, np.ascontiguousarray(rgba).view(np.uint32)[..., 0], background.round().astype("u1").view("u4")
-    )
+    background = (np.array([0.82, 0.82, 0.84, 0.0]) * 255).round().astype("u1").view("u4")
+    pixels = np.where(seen, np.ascontiguousarray(rgba).view(np.uint32)[..., 0], background)
     return np.ascontiguousarray(pixels.view(np.uint8).reshape(rgba.shape)[..., :3])
 
 

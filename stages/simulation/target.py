@@ -80,17 +80,11 @@ def read_target(raw: PhysxArticulation, index: int) -> Target:
         group += [shape.move(root_from_link) for shape in read_shapes(link)]
     lower, upper = joint.limits[0].tolist()
     mesh = merge_meshes(moving)
+    still = merge_meshes(fixed) if fixed else trimesh.Trimesh()
     return Target(
-        index=index,
-        revolute=joint.type.startswith("revolute"),
-        axis=joint_frame[:3, 0],
-        origin=joint_frame[:3, 3],
-        lower=float(lower),
-        upper=float(upper),
-        moving=mesh,
-        fixed=merge_meshes(fixed) if fixed else trimesh.Trimesh(),
-        handle=find_handle(mesh),
-    )
+        index=index, revolute=joint.type.startswith("revolute"), axis=joint_frame[:3, 0], origin=joint_frame[:3, 3],
+        lower=float(lower), upper=float(upper), moving=mesh, fixed=still, handle=find_handle(mesh),
+    )  # fmt: skip
 
 
 class Shape(NamedTuple):
