@@ -107,11 +107,7 @@ def find_surfaces(
 ) -> dict[str, SeenPixels]:
     """Visible floor and walls: pixels of no object whose ray meets the plane first, at about their depth.
 
-    Args:
-        rgb: the picture (H, W, 3).
-        masks: of the objects (H, W), 0: none.
-        depth: metres along the optical axis (H, W), 0: unknown; None: the nearest plane is taken to be seen.
-        objects: camera, floor frame and walls.
+    `masks` (H, W): of the objects; `depth` (H, W), 0: unknown; None: the nearest plane is taken to be seen.
     """
     step, intrinsics = find_grid(objects)
     rgb, free = rgb[::step, ::step], masks[::step, ::step] == 0
@@ -204,8 +200,7 @@ def estimate_look(
 ) -> Look:
     """The look of a picture; one scene that was made of it says where furniture stands.
 
-    Args:
-        pictures: colors, masks and depth as `find_surfaces` takes them.
+    `pictures`: colors, masks and depth as `find_surfaces` takes them.
     """
     seen = find_surfaces(*pictures, objects)
     direction, correlation = estimate_light(seen, merge_meshes(items))

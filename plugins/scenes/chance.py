@@ -48,10 +48,7 @@ def frame(points: Matrix, stand: recipe.CameraStand, width: int, height: int, ma
 
     Args:
         points: (N, 3) in the room frame, all of which are to be in the picture.
-        stand: direction, eye height and vertical field of view.
-        width: of the picture in pixels.
-        height: of the picture in pixels.
-        margin: share of the picture left free at each border.
+        width, height: of the picture, pixels; margin: share of it left free at each border.
     """
     intrinsics = intrinsics_from_fov(width, height, np.deg2rad(stand.fov))
     middle = (points.min(axis=0) + points.max(axis=0)) / 2

@@ -90,8 +90,7 @@ def reconstruct(
 def find_hanging(item: Annotation, walls: list[Wall], shown: Mapping[int, Wall]) -> list[Wall]:
     """The walls at which an object may hang: those that are stated, else all where its category says that it does.
 
-    Args:
-        shown: walls by the mask values that show them.
+    `shown`: walls by the mask values that show them.
     """
     if item.mounting is not None:
         return [shown[value] for value in item.mounting.walls if value in shown] if item.mounting.type == 1 else []

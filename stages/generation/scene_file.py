@@ -105,10 +105,7 @@ def doubt_placement(
 ) -> Placed:
     """The item with what may be wrong with it. Sizes that a person says are not doubted, nor places.
 
-    Args:
-        seen: the object as extraction found it.
-        known: categories by name, as the library knows them.
-        moved: whether a person moved it.
+    `seen`: the object as extraction found it; `known`: the library's categories; `moved`: by a person.
     """
     found: list[Doubt] = []
     if item.support == UNNAMED:
@@ -181,8 +178,7 @@ def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Pa
     """The objects of a scene, with models at their sizes.
 
     Args:
-        folders: of the library's models, by asset id.
-        cache: folder for resized models.
+        folders: of the library's models, by asset id; `cache`: for resized ones.
         path: of the scene, for what is refused.
 
     Raises:

@@ -57,7 +57,7 @@ def find_surface(item: Placed, lower: Placed) -> SupportSurface:
             area = surface if carries.is_empty else keep_polygons(within)
             found[surface.intersection(under).area, -surface.distance(under), height] = area
     if not found:
-        return SupportSurface(lower.top, footprint(lower.box))
+        return SupportSurface(lower.box.top, footprint(lower.box))
     return SupportSurface(max(found)[2], keep_balanced(item, lower, pieces, found[max(found)]))
 
 
@@ -110,10 +110,8 @@ def assign_supports(
 ) -> list[Placed]:
     """The items with their supports and at their heights (A.3), from low to high.
 
-    Args:
-        stated: by id, what carries it as a person says.
-        nudges: by id, metres (x, y) by which a person moves it with all that it carries.
-        categories: by name, as the library knows them.
+    `stated`: by id, what carries it as a person says; `nudges`: by id, metres (x, y) by which a person moves it with
+    all that it carries.
     """
     ordered = sort_by_height(items)
     supports = find_supports(ordered, options.support_overlap, options.stack_tolerance, categories)
@@ -155,20 +153,20 @@ def find_supports(
             and (tolerance is None or may_stand_on(meant[item.id], meant[lower.id]))
         ]
         carriers = [
-            (height, lower.id, lower.top)
+            (height, lower.id, lower.box.top)
             for lower, height, shared in beneath
-            if shared > overlap and (tolerance is None or item.bottom >= height - tolerance)
+            if shared > overlap and (tolerance is None or item.box.bottom >= height - tolerance)
         ]
-        if not carriers and tolerance is not None and item.bottom > tolerance and not item.wall_mounted:
+        if not carriers and tolerance is not None and item.box.bottom > tolerance and not item.wall_mounted:
             level = [
-                (shared, -footprint_gap(item, lower), lower.id, height, lower.top)
+                (shared, -footprint_gap(item, lower), lower.id, height, lower.box.top)
                 for lower, height, shared in beneath
-                if abs(item.bottom - height) <= tolerance
+                if abs(item.box.bottom - height) <= tolerance
             ]
             carriers = [(height, name, top) for *_, name, height, top in sorted(level)[-1:]]
         highest = max(carriers, default=(0.0, FLOOR, 0.0))
         top = max((top for *_, top in carriers), default=0.0)  # a stool's may have become a chair's back
-        above = tolerance is not None and item.bottom > top + tolerance and not item.wall_mounted
+        above = tolerance is not None and item.box.bottom > top + tolerance and not item.wall_mounted
         supports[item.id] = UNNAMED if above else highest[1]
     return supports
 
@@ -231,7 +229,7 @@ def put_on_supports(items: list[Placed], supports: dict[str, str], steady: bool 
             if steady and not item.wall_mounted:
                 there, here = nearest_points(surface.steady_region(item), Point(item.center[:2]))
                 moved = item.shift([there.x - here.x, there.y - here.y, 0.0])
-        rise = beneath - item.bottom
+        rise = beneath - item.box.bottom
         moved = moved.shift([0, 0, max(0.0, rise) if item.wall_mounted else rise])
         support = WALL if item.wall_mounted else support
         done[item.id] = replace(item.change_box("on what carries it", moved.box), support=support)

@@ -34,11 +34,8 @@ def find_yaw(
     """The matched yaw, turned to the wall that the object touches (A.3), else to the axes of its cloud (A.7).
 
     Args:
-        box, cloud: of the object, floor frame.
-        camera: its position.
-        touched: the walls that the object touches, the dominant one first.
-        articulated: whether the model is.
-        category: of the model.
+        box, cloud: of the object, floor frame, which touches the walls `touched`, the dominant one first.
+        articulated: whether the model is; `category`: its.
     """
     views = [cousin.orientation, *cousin.orientations]
     if options.wall_view == "rear":
@@ -75,8 +72,7 @@ def pick_rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> fl
     A.3 lays the rear face into the wall. A patch encoder often takes the rear or a side of furniture for its
     front, and one of the next best views is right.
 
-    Args:
-        normals: horizontal normals of the walls that the object touches, into the room.
+    `normals`: horizontal normals of the walls that the object touches, into the room.
     """
     for yaw in yaws:
         if any(abs(wrap_angle(yaw - find_wall_axes(normal))) <= QUARTER / 2 for normal in normals):
@@ -93,8 +89,7 @@ def find_wall_axes(normal: ArrayLike) -> float:
 def turn_to(yaw: float, axes: float, limit: float | None = None) -> float:
     """`yaw` turned by the smallest angle that lays the model's x or y axis along the frame at angle `axes`.
 
-    Args:
-        limit: largest turn in radians; a larger one is not made. None: no limit.
+    `limit`: largest turn in radians; a larger one is not made. None: no limit.
     """
     turn = wrap_angle(axes - yaw, QUARTER)
     return yaw if limit is not None and abs(turn) > limit else wrap_angle(yaw + turn)

@@ -23,12 +23,7 @@ Array = NDArray[np.float64]
 def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[room_planes.Plane]:
     """Level surfaces that face up, the largest first: floors, table tops, seats; `inliers` over `points[known]`.
 
-    All are parallel to the largest, to which a plane is fitted.
-
-    Args:
-        points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels that count.
-        up: (3,) as of `find_up`.
+    All are parallel to the largest, to which a plane is fitted. Args as of `room_planes.find_up`, and what it finds.
     """
     centers, normals = room_planes.cell_normals(points, known)
     cells, cloud = centers[normals @ up > room_planes.LEVEL], points[known]
@@ -73,14 +68,11 @@ def find_floor(
 ) -> room_planes.Plane | None:
     """The floor without a mask of it: the level (a table top, too) that most objects stand on.
 
-    Of two with as many objects it is the one with fewer points below it.
+    Of two with as many objects it is the one with fewer points below it. Args as of `find_levels`, and:
 
     Args:
-        points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth, which count where none is free.
-        free: (H, W) those that belong to no object and no wall.
+        free: pixels (H, W) that belong to no object and no wall; the known ones count where none is.
         objects: (N, 3) of each object.
-        up: (3,) as of `find_up`.
     """
     levels = find_levels(points, free, up) or find_levels(points, known, up)
     cloud = points[free if free.any() else known]
@@ -97,12 +89,7 @@ def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> roo
     """The level surface on which things stand in a picture without labels: a near table top, else the room's floor.
 
     The floor is the height with most points of those below which hardly any lie: the little that is seen of it between
-    furniture will do. Its `inliers` are over `points[known]`.
-
-    Args:
-        points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth.
-        max_tilt: largest angle between image-up and its normal, degrees.
+    furniture will do. Its `inliers` are over `points[known]`. Args as of `room_planes.find_up`.
     """
     up = room_planes.find_up(points, known, max_tilt)
     if up is None:

@@ -45,24 +45,13 @@ def cell_normals(points: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]
 
 
 def find_up(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Array | None:
-    """The unit vector (3,) against gravity in the camera frame; None: no surface tells.
-
-    Args:
-        points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth.
-        max_tilt: largest angle to image-up, degrees.
-    """
+    """The unit vector (3,) against gravity in the camera frame, at most `max_tilt` degrees from image-up; None: no
+    surface tells. Args as of `cell_normals`."""
     return estimate_up(cell_normals(points, known)[1], max_tilt)
 
 
 def is_upside_down(points: Array, known: NDArray[np.bool_], max_tilt: float) -> bool:
-    """Whether nothing level faces up, and much does if the picture is turned over.
-
-    Args:
-        points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth.
-        max_tilt: largest angle to image-up, degrees.
-    """
+    """Whether nothing level faces up, and much does if the picture is turned over. Args as of `find_up`."""
     normals = cell_normals(points, known)[1]
     up, down = (_share_level(normals * [1, side, 1], max_tilt) for side in (1, -1))
     return up < NO_LEVEL and down > MUCH_LEVEL
@@ -74,14 +63,10 @@ def _share_level(normals: Array, max_tilt: float) -> float:
 
 
 def estimate_up(normals: Array, max_tilt: float) -> Array | None:
-    """Likewise, by the normals of surfaces.
+    """Likewise, by the normals (N, 3) of surfaces, as of `cell_normals`.
 
     A surface that faces up counts twice, an upright one and a ceiling once: a lone table top is upright, too, to
     every level direction.
-
-    Args:
-        normals: (N, 3) as of `cell_normals`.
-        max_tilt: largest angle to image-up, degrees.
     """
     if len(normals) < 3:
         return None
@@ -151,10 +136,8 @@ def fit_plane(
     """The plane with the most points within `threshold` of it.
 
     Args:
-        points: (N, 3).
-        threshold: inlier distance in metres.
-        iterations: number of three-point hypotheses.
-        rng: source of the hypotheses; the same state gives the same plane.
+        points: (N, 3); `threshold`: metres.
+        iterations: number of three-point hypotheses, drawn from `rng`.
         plausible: which of (M, 3) unit normals may be a solution, e.g. nearly vertical ones.
 
     Returns:
@@ -203,8 +186,7 @@ def scale_threshold(points: Array) -> float:
 def fit_floor(points: Array, max_tilt: float, rng: np.random.Generator) -> Plane | None:
     """The level plane with most inliers among points (N, 3), camera frame; its normal points up. None: there is none.
 
-    Args:
-        max_tilt: largest angle between image-up and its normal, degrees.
+    `max_tilt`: largest angle between image-up and its normal, degrees.
     """
     if len(points) < 3:
         return None

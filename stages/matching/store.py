@@ -135,8 +135,7 @@ class FeatureStore:
     def check_holds(self, models: Sequence[str], what: str) -> None:
         """Refuse models of which some are not in it: it is not of their library, or not of all that is needed.
 
-        Args:
-            what: that they are, in plural.
+        `what`: that they are, in plural.
         """
         missing = [name for name in models if name not in self]
         if missing:

@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
 T = TypeVar("T")
 
-FILM_WIDTH, FILM_ASPECT = 480, 0.75  # pixels; height by width
 GLANCE = 120  # pixels: width of the pictures by which a view is chosen
 HAND = "panda_hand_tcp"  # between the fingers
 HAND_DEPTH = 0.08  # metres from what is seen to the hand, if that is what is seen
@@ -40,13 +39,13 @@ class FilmRenderer:
     """
 
     def __init__(
-        self, light: Sequence[float] = (-0.8, -0.45, -1.0), width: int = FILM_WIDTH, height: int | None = None
+        self, light: Sequence[float] = (-0.8, -0.45, -1.0), width: int = 480, height: int | None = None
     ) -> None:
         self.scene = make_scene(light=light)
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         self.robot: PhysxArticulation = loader.load(str(PANDA))
-        self.aspect = (height or round(width * FILM_ASPECT)) / width
+        self.aspect = (height or round(0.75 * width)) / width
         sizes = [(each, round(each * self.aspect)) for each in (width, GLANCE)]
         self.camera, self.finder = (RenderCamera(self.scene, intrinsics_of(*s), *s, pack="minimal") for s in sizes)
 
@@ -63,8 +62,7 @@ class FilmRenderer:
 class Shot:
     """An episode in a renderer with a fixed camera. Close it before the next one begins.
 
-    Args:
-        moments: moments of the episode, or expected ones; the camera is placed so that it shows all of them.
+    `moments`: moments of the episode, or expected ones; the camera is placed so that it shows all of them.
     """
 
     def __init__(self, renderer: FilmRenderer, recording: Recording, moments: Sequence[Moment]) -> None:
@@ -79,11 +77,12 @@ class Shot:
         self.about = [*room.load(self.scene).values()] if room else _add_room(self.scene, floor, feet[0][0, 0])
         raised = [box for box in feet[bool(room) :] if box[0, 2] - floor > 0.005]
         self.about += [_add_plinth(self.scene, box, floor) for box in raised]
-        seen = [corners(np.array([[*box[0, :2], floor], box[1]])) for box in feet]
+        boxes = [np.array([[*box[0, :2], floor], box[1]]) for box in feet]
         for moment in moments:
             self._put(moment)
-            seen += [corners(_bounds([link])) for body in (self.asset, self.robot) for link in _solid(body.links)]
-        points = np.concatenate(seen)
+            links = [link for body in (self.asset, self.robot) for link in body.links if link.collision_shapes]
+            boxes += [_bounds([link]) for link in links]
+        points = np.concatenate([corners(box) for box in boxes])
         self.world_from_camera = self._view(recording, points, pick_evenly(moments, 3)[1:])
 
     def picture(self, moment: Moment) -> Image:
@@ -164,11 +163,7 @@ def directions(side: float) -> list[Array]:
     return [each / np.linalg.norm(each) for each in found]
 
 
-def _solid(links: Sequence[Link]) -> list[Link]:
-    return [link for link in links if link.collision_shapes]
-
-
 def _bounds(links: Sequence[Link]) -> Array:
-    """(2, 3) lowest and highest corner of a box around links, in the world."""
-    boxes = np.array([link.get_global_aabb_fast() for link in _solid(links)])  # the tight ones err on stretched hulls
+    """(2, 3) lowest and highest corner of a box around links, in the world; tight ones err on stretched hulls."""
+    boxes = np.array([link.get_global_aabb_fast() for link in links if link.collision_shapes])
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])

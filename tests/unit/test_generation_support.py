@@ -80,7 +80,7 @@ def test_heights_follow_the_supports():
     floating = thing("book", (2, 0.2, 0.85), (0.2, 0.3, 0.05))
     sunk = thing("table", (2, 0, 0.35), (0.8, 1.2, 0.75))
     placed = put_on_supports([sunk, floating], {"table": "floor", "book": "table"})
-    assert [item.bottom for item in placed] == pytest.approx([0, 0.75])
+    assert [item.box.bottom for item in placed] == pytest.approx([0, 0.75])
     assert placed[1].support == "table"
 
 
@@ -193,7 +193,7 @@ def test_a_wide_board_lies_on_a_narrow_stool():
     stool = thing("stool", (2, 0, 0.2), (0.3, 0.3, 0.5))
     seat = replace(stool, prisms=(block(0, 0, 0.15, 0.15, -0.2, 0.2),))  # 5 cm below its top
     assert find_surface(board, seat).height == pytest.approx(0.4)
-    assert find_surface(board, stool).height == stool.top
+    assert find_surface(board, stool).height == stool.box.top
 
 
 def test_pieces_whose_edges_nearly_meet_are_joined_and_cut() -> None:
