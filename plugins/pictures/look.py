@@ -17,7 +17,7 @@ from roomkin.stages.contracts.types import LARGEST
 from roomkin.stages.generation.placed import Placed, read_collisions
 from roomkin.stages.generation.settling import load_items
 from roomkin.stages.geometry.boxes import corners
-from roomkin.stages.geometry.frames import SAMPLED, back_project, transform_points
+from roomkin.stages.geometry.frames import SAMPLED, back_project, scale_intrinsics, transform_points
 from roomkin.stages.geometry.masks import MIN_PIXELS
 from roomkin.stages.simulation.rendering import RenderCamera, instance_id, make_scene
 from roomkin.stages.simulation.room import BEYOND, WALL_HEIGHT, add_backdrop
@@ -42,8 +42,7 @@ def draw_preview(scene: sapien.Scene, generated: GeneratedScene, width: int) -> 
     """The scene as the input camera sees it, (H, width, 3); its world is the floor frame."""
     factor = SMOOTHING * width / generated.width
     height = round(generated.height * width / generated.width)
-    intrinsics = np.array(generated.intrinsics) * [[factor], [factor], [1.0]]
-    intrinsics[:2, 2] += (factor - 1) / 2  # pixel centers are at integers
+    intrinsics = scale_intrinsics(np.array(generated.intrinsics), factor, factor)
     picture = RenderCamera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(generated.floor_from_camera)
     return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
 

@@ -14,15 +14,8 @@ from roomkin.plugins.scenes import recipe
 from roomkin.plugins.scenes.layout import ATTEMPTS, CastRoom, arrange, choose_models, templates
 from roomkin.plugins.scenes.recipe import ScenesConfig
 from roomkin.stages.contracts import Asset, InputError
+from roomkin.stages.geometry import frames
 from roomkin.stages.geometry.boxes import UprightBox, corners, distances_along
-from roomkin.stages.geometry.frames import (
-    MARGIN,
-    intrinsics_from_fov,
-    invert_transform,
-    look_at,
-    project,
-    transform_points,
-)
 
 Matrix = NDArray[np.float64]
 
@@ -31,8 +24,8 @@ def _aim_camera(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
     """`world_from_camera` at `eye` that has the points' picture in its center."""
     target = points.mean(axis=0)
     for _ in range(8):
-        world_from_camera = look_at(eye, target)
-        pixels = project(transform_points(invert_transform(world_from_camera), points), intrinsics)
+        world_from_camera = frames.look_at(eye, target)
+        pixels = frames.project(frames.transform_points(frames.invert_transform(world_from_camera), points), intrinsics)
         if not np.isfinite(pixels).all():
             break
         middle = (pixels.min(axis=0) + pixels.max(axis=0)) / 2
@@ -50,7 +43,7 @@ def frame(points: Matrix, stand: recipe.CameraStand, width: int, height: int, ma
         points: (N, 3) in the room frame, all of which are to be in the picture.
         width, height: of the picture, pixels; margin: share of it left free at each border.
     """
-    intrinsics = intrinsics_from_fov(width, height, np.deg2rad(stand.fov))
+    intrinsics = frames.intrinsics_from_fov(width, height, np.deg2rad(stand.fov))
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     azimuth = np.deg2rad(stand.azimuth)
     line = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
@@ -60,7 +53,7 @@ def frame(points: Matrix, stand: recipe.CameraStand, width: int, height: int, ma
 
     def measure_excess(distance: float) -> float:
         """By how much of the picture's size the points stick out of the margins."""
-        pixels = project(transform_points(invert_transform(pose(distance)), points), intrinsics)
+        pixels = frames.project(frames.transform_points(frames.invert_transform(pose(distance)), points), intrinsics)
         if not np.isfinite(pixels).all():
             return 10.0
         size = np.array([width - 1, height - 1])
@@ -98,7 +91,7 @@ def draw_room(
             continue
         boxes = [standing.box for standing in layout.standing.values()]
         points = np.concatenate([corners(box) for box in boxes])
-        camera = frame(points, drawn.camera, options.width, options.height, MARGIN)
+        camera = frame(points, drawn.camera, options.width, options.height, frames.MARGIN)
         if are_all_seen(boxes, *camera, options.width, options.height):
             return CastRoom(drawn, layout, assets)
     what = f"{room.name}: no draw of models and places fits."

@@ -16,14 +16,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from roomkin.stages.articulated.mesh_writer import (
-    TriangleSurface,
-    is_box,
-    split_sharp_edges,
-    write_glb,
-    write_obj,
-    write_texture,
-)
+from roomkin.stages.articulated import mesh_writer
 from roomkin.stages.articulated.model import JointModel, Link, Matrix, RobotModel
 from roomkin.stages.contracts.parts import PARTS
 from roomkin.stages.geometry.frames import ROUNDING, make_transform
@@ -67,7 +60,7 @@ def as_written(robot: RobotModel) -> RobotModel:
 
 
 def _round_piece(piece: Trimesh) -> Trimesh:
-    if not is_box(piece):
+    if not mesh_writer.is_box(piece):
         return Trimesh(piece.vertices.round(5), piece.faces, process=False)
     box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
     return box.apply_translation(piece.bounds.mean(axis=0).round(5))
@@ -91,12 +84,12 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
     _add_visuals(element, folder, link, stem)
     for number, piece in enumerate(link.collisions):
         collision = ET.SubElement(element, "collision")
-        if is_box(piece):
+        if mesh_writer.is_box(piece):
             ET.SubElement(collision, "origin", xyz=numbers(piece.bounds.mean(axis=0)), rpy="0 0 0")
             ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=numbers(np.maximum(piece.extents, 1e-5)))
         else:
             file = f"meshes/{stem}_hull_{number}.obj"
-            write_obj(folder / file, [TriangleSurface(piece.vertices, piece.faces)])
+            mesh_writer.write_obj(folder / file, [mesh_writer.TriangleSurface(piece.vertices, piece.faces)])
             _add_mesh(collision, file)
 
 
@@ -107,14 +100,14 @@ def _add_visuals(element: ET.Element, folder: Path, link: Link, stem: str) -> No
         shown = ET.SubElement(element, "visual", name=name)
         _add_mesh(shown, f"meshes/{name}.obj")
         alike = [visual for visual in link.visuals if (visual.color, visual.texture) == (color, texture)]
-        write_obj(folder / f"meshes/{name}.obj", list(map(split_sharp_edges, alike)), texture)
+        mesh_writer.write_obj(folder / f"meshes/{name}.obj", list(map(mesh_writer.split_sharp_edges, alike)), texture)
         if texture is None:
             ET.SubElement(ET.SubElement(shown, "material", name=name), "color", rgba=numbers(color or ()))
         else:
-            write_texture(folder / "meshes", texture)
+            mesh_writer.write_texture(folder / "meshes", texture)
     own: list[Trimesh] = [visual.mesh for visual in link.visuals if visual.color is None]
     if own:
-        write_glb(folder / f"meshes/{stem}.glb", own)
+        mesh_writer.write_glb(folder / f"meshes/{stem}.glb", own)
         _add_mesh(ET.SubElement(element, "visual", name=stem), f"meshes/{stem}.glb")
 
 
