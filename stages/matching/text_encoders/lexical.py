@@ -46,7 +46,9 @@ KINDS = {
     "device": "device charger",
     "fixture": "bathtub shower boiler",
 }
-CANONICAL = {word: line.split()[0] for line in SYNONYMS.strip().splitlines() for word in line.split()}
+CANONICAL = {
+    word: first for first, *others in map(str.split, SYNONYMS.strip().splitlines()) for word in (first, *others)
+}
 GROUPS = {kind: set(text.split()) for kind, text in KINDS.items()}
 for row in known_categories().values():
     if "_" not in row.name or row.like:  # else its last word heads it: "table" of coffee_table
