@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from roomkin.stages.articulated.handle import front_panel, measure_handle
 from roomkin.stages.articulated.model import JointModel, RobotModel, link_frames, measure_closed_box
@@ -45,7 +46,7 @@ def assign_part_types(robot: RobotModel) -> RobotModel:
 
 def copy_part_types(robot: RobotModel, described: Iterable[Joint]) -> RobotModel:
     """A model with the part types and handles that its `asset.json` gives to its joints, by name."""
-    known = {
+    known: dict[str, dict[str, Any]] = {
         one.name: {"part_type": one.part_type, "handle_link": one.handle_link, "handle": one.handle}
         for one in described
     }

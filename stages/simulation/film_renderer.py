@@ -18,7 +18,7 @@ from roomkin.stages.simulation.framing import frame_all, intrinsics_of
 from roomkin.stages.simulation.loading import load_asset, move, remove
 from roomkin.stages.simulation.rendering import RenderCamera, add_block, make_scene
 from roomkin.stages.simulation.robot import PANDA
-from roomkin.stages.simulation.room import Body, Moment, Recording
+from roomkin.stages.simulation.room import Body, Moment, Prop, Recording
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
@@ -67,9 +67,10 @@ class Shot:
 
     def __init__(self, renderer: FilmRenderer, recording: Recording, moments: Sequence[Moment]) -> None:
         self.renderer, self.scene, self.robot = renderer, renderer.scene, renderer.robot
+        things: list[Recording | Prop] = [recording, *recording.props]
         self.asset, *self.props = (
             load_asset(self.scene, thing.folder, sapien.Pose(), True, f"thing_{number}", thing.scale)
-            for number, thing in enumerate([recording, *recording.props])
+            for number, thing in enumerate(things)
         )
         self._put(moments[0])
         feet, room = [_bounds(self.asset.links), _bounds(self.robot.links[:1])], recording.room
