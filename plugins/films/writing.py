@@ -26,7 +26,10 @@ LAST = 1200  # milliseconds that the last picture stays
 def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], control_frequency: float) -> None:
     """Write the archive of films, each at the speed of its episode, with the list of them.
 
-    `films`: what was filmed, with its pictures, evenly over its steps; `control_frequency`: steps per second.
+    Args:
+        out: films.zip.
+        films: what was filmed, with its pictures, evenly over its steps.
+        control_frequency: steps per second.
     """
     with TemporaryDirectory(prefix="acdc-films-") as folder:
         for film, pictures in films:

@@ -18,7 +18,8 @@ from roomkin.stages.geometry.frames import OPENGL, Y_UP, make_transform, yaw_mat
 def write(room: ExportedScene, out: Path, largest: int | None = None) -> None:
     """Write the GLB `out`; doors and drawers are closed.
 
-    `largest`: side of a texture in pixels; larger ones are made smaller, and all are WebP. Default: as they are.
+    Args:
+        largest: side of a texture in pixels; larger ones are made smaller, and all are WebP. Default: as they are.
     """
     points = np.concatenate([body.corners for body in room.bodies])
     low, high = points.min(axis=0), points.max(axis=0)

@@ -106,7 +106,11 @@ def find_surfaces(
 ) -> dict[str, SeenPixels]:
     """Visible floor and walls: pixels of no object whose ray meets the plane first, at about their depth.
 
-    `masks` (H, W): of the objects; `depth` (H, W), 0: unknown; None: the nearest plane is taken to be seen.
+    Args:
+        rgb: the picture (H, W, 3).
+        masks: of the objects (H, W), 0: none.
+        depth: metres along the optical axis (H, W), 0: unknown; None: the nearest plane is taken to be seen.
+        objects: camera, floor frame and walls.
     """
     step, intrinsics = find_grid(objects)
     rgb, free = rgb[::step, ::step], masks[::step, ::step] == 0
@@ -199,7 +203,8 @@ def estimate_look(
 ) -> Look:
     """The look of a picture; one scene that was made of it says where furniture stands.
 
-    `pictures`: colors, masks and depth as `find_surfaces` takes them.
+    Args:
+        pictures: colors, masks and depth as `find_surfaces` takes them.
     """
     seen = find_surfaces(*pictures, objects)
     direction, correlation = estimate_light(seen, merge_meshes(items))

@@ -159,7 +159,8 @@ class NoisyCloud:
 
         Noise puts points outside the faces, so `deviations` standard deviations are taken off at both ends.
 
-        `trim`: share of the points left out at each end.
+        Args:
+            trim: share of the points left out at each end.
         """
         limits = np.quantile(self.points[:, :2] @ yaw_matrix(yaw)[:2, :2], [trim, 1 - trim], axis=0)
         inset = np.minimum(deviations * self.noise_along(yaw), MAX_INSET * (limits[1] - limits[0]))

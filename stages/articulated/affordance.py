@@ -93,6 +93,10 @@ def handle_extents(folder: Path, asset: Asset, joint: str) -> Matrix:
 
     The handle is what lies in the front half of all that stands out of the panel. The panel is as deep as the surfaces
     that, counted from the foremost, cover `COVERED` of the front. Where nothing stands out it is the face: a button's.
+
+    Args:
+        folder: of the asset.
+        joint: its name; it has a handle.
     """
     reader = UrdfReader(urdf_of(folder, asset), folder)
     children = {model.child for model in reader.joints}

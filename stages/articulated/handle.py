@@ -56,7 +56,8 @@ def find_handle(mesh: trimesh.Trimesh) -> Handle | None:
 
     What is wider than a gripper may be the raised frame of a front: then it is what stands on that, or within it.
 
-    `mesh`: the moving link with everything fixed to it, in the asset frame, closed.
+    Args:
+        mesh: the moving link with everything fixed to it, in the asset frame, closed.
     """
     hits = front_hits(mesh)
     if len(hits) < 10:

@@ -81,7 +81,8 @@ def explain_missing(who: Path, what: str, name: str, here: Path, folder: Path) -
     """The complaint of `who` that no such file is in the folder, or only a link out of it; a folder above that has the
     file is named.
 
-    `what`: what names it and what it is, e.g. "link 'door', <visual>: there is no mesh".
+    Args:
+        what: what names it and what it is, e.g. "link 'door', <visual>: there is no mesh".
     """
     if is_link_out(name, here, folder):
         what = f"{what} '{name[:200]}' in {folder.name}/, but a link out of it."

@@ -116,7 +116,8 @@ def resize_asset(folder: Path, size: Sequence[float], out: Path, finish: Finish 
 
     The folder's name is a key of asset, size and finish; one that is there already is used as it is.
 
-    `finish`: parameters of its recipe that are to be others.
+    Args:
+        finish: parameters of its recipe that are to be others.
     """
     asset = read_asset(folder)
     if has_size(asset, size) and not finish:

@@ -35,7 +35,8 @@ def find_level(points: Array, box: UprightBox, distance: float) -> float | None:
     many points as the fullest one; the lowest carries the others and is taken. None: only a front is seen, or the
     level belongs to what the object stands on.
 
-    `points`: (N, 3) of the object, `distance` metres from the camera; their box.
+    Args:
+        points: (N, 3) of the object, `distance` metres from the camera; their box.
     """
     heights = points[:, 2]
     low, high = float(heights.min()), float(heights.max())
@@ -158,8 +159,13 @@ def _blur(values: Array) -> Array:
 
 
 def continue_depth(depth: NDArray[np.floating], core: Mask, border: Mask) -> Array:
-    """Depth (H, W), metres, 0: unknown: the given one on `core`, where it is trusted, continued on `border` where the
-    core is near."""
+    """Depth (H, W): the given one on `core`, continued on `border` where the core is near, 0 elsewhere.
+
+    Args:
+        depth: (H, W) metres; 0 where unknown.
+        core: pixels with trusted depth.
+        border: pixels whose depth is to be found.
+    """
     continued = np.zeros(depth.shape)
     rows, columns = np.nonzero(core | border)
     if len(rows):

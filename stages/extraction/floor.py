@@ -165,7 +165,8 @@ def find_room_walls(
 ) -> tuple[list[Wall], dict[int, Wall]]:
     """The walls, and by the mask values that show them.
 
-    `seen`: what is used of the picture, floor frame.
+    Args:
+        seen: what is used of the picture, floor frame.
     """
     planes, shown, camera_height = [], [], float(seen.frame[2, 3])
     others = seen.known & ~np.isin(image.masks, [item.mask for item in image.annotations.objects])

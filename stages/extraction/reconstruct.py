@@ -90,7 +90,8 @@ def reconstruct(
 def find_hanging(item: Annotation, walls: list[Wall], shown: Mapping[int, Wall]) -> list[Wall]:
     """The walls at which an object may hang: those that are stated, else all where its category says that it does.
 
-    `shown`: walls by the mask values that show them.
+    Args:
+        shown: walls by the mask values that show them.
     """
     if item.mounting is not None:
         return [shown[value] for value in item.mounting.walls if value in shown] if item.mounting.type == 1 else []

@@ -160,6 +160,10 @@ def measure_colors(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: O
     """The color that most of every object has in the picture, by id; of what shows too few pixels none.
 
     The light's tint stays in it, as in the colors of floor and walls (look.json).
+
+    Args:
+        rgb: the picture (H, W, 3).
+        masks: of the objects (H, W).
     """
     lab = cv2.cvtColor(rgb.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
     pixels = {item.id: lab[masks == item.mask] for item in objects.objects}

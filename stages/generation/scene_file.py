@@ -105,7 +105,10 @@ def doubt_placement(
 ) -> Placed:
     """The item with what may be wrong with it. Sizes that a person says are not doubted, nor places.
 
-    `seen`: the object as extraction found it; `known`: the library's categories; `moved`: by a person.
+    Args:
+        seen: the object as extraction found it.
+        known: categories by name, as the library knows them.
+        moved: whether a person moved it.
     """
     found: list[Doubt] = []
     if item.support == UNNAMED:

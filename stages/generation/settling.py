@@ -96,7 +96,10 @@ def run_physics(
 def describe_fall(shift: NDArray[np.float64], tilt: float, overlapped: str, options: GenerationConfig) -> str:
     """The motion of an item that did not stay.
 
-    `shift` (3,) of its middle, metres; `tilt`: degrees; `overlapped`: what it overlapped most before; empty: nothing.
+    Args:
+        shift: (3,) of its middle, metres.
+        tilt: degrees.
+        overlapped: what it overlapped most before it moved; empty: nothing.
     """
     if tilt > options.fallen_tilt:
         what = f"tipped by {tilt:.0f}°"

@@ -244,7 +244,9 @@ def size(
 ) -> Placed:
     """A model at a yaw with the extents of its object.
 
-    `category`: of the model; `reached`: walls that it is extended to.
+    Args:
+        category: of the model.
+        reached: walls that it is extended to.
     """
     measured = measure_box(placed.box, one.cloud.astype(float), yaw, options.trim)
     placed = placed.change_box("measured along the model's axes", measured)
@@ -278,7 +280,8 @@ def size(
 def measure_box(box: UprightBox, points: NDArray[np.float64], yaw: float, trim: float) -> UprightBox:
     """The box of points (N, 3) along axes turned by `yaw`, its heights those of `box`.
 
-    `trim`: share of the points left out at each end.
+    Args:
+        trim: share of the points left out at each end.
     """
     turn = yaw_matrix(yaw)[:2, :2]
     low, high = np.quantile(points[:, :2] @ turn, [trim, 1 - trim], axis=0)

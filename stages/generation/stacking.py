@@ -110,8 +110,10 @@ def assign_supports(
 ) -> list[Placed]:
     """The items with their supports and at their heights (A.3), from low to high.
 
-    `stated`: by id, what carries it as a person says; `nudges`: by id, metres (x, y) by which a person moves it with
-    all that it carries.
+    Args:
+        stated: by id, what carries it as a person says.
+        nudges: by id, metres (x, y) by which a person moves it with all that it carries.
+        categories: by name, as the library knows them.
     """
     ordered = sort_by_height(items)
     supports = find_supports(ordered, options.support_overlap, options.stack_tolerance, categories)

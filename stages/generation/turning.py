@@ -72,7 +72,8 @@ def pick_rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> fl
     A.3 lays the rear face into the wall. A patch encoder often takes the rear or a side of furniture for its
     front, and one of the next best views is right.
 
-    `normals`: horizontal normals of the walls that the object touches, into the room.
+    Args:
+        normals: horizontal normals of the walls that the object touches, into the room.
     """
     for yaw in yaws:
         if any(abs(wrap_angle(yaw - find_wall_axes(normal))) <= QUARTER / 2 for normal in normals):
@@ -89,7 +90,8 @@ def find_wall_axes(normal: ArrayLike) -> float:
 def turn_to(yaw: float, axes: float, limit: float | None = None) -> float:
     """`yaw` turned by the smallest angle that lays the model's x or y axis along the frame at angle `axes`.
 
-    `limit`: largest turn in radians; a larger one is not made. None: no limit.
+    Args:
+        limit: largest turn in radians; a larger one is not made. None: no limit.
     """
     turn = wrap_angle(axes - yaw, QUARTER)
     return yaw if limit is not None and abs(turn) > limit else wrap_angle(yaw + turn)

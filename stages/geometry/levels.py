@@ -23,7 +23,12 @@ Array = NDArray[np.float64]
 def find_levels(points: Array, known: NDArray[np.bool_], up: Array) -> list[room_planes.Plane]:
     """Level surfaces that face up, the largest first: floors, table tops, seats; `inliers` over `points[known]`.
 
-    All are parallel to the largest, to which a plane is fitted. Args as of `room_planes.find_up`, and what it finds.
+    All are parallel to the largest, to which a plane is fitted.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels that count.
+        up: (3,) as of `find_up`.
     """
     centers, normals = room_planes.cell_normals(points, known)
     cells, cloud = centers[normals @ up > room_planes.LEVEL], points[known]
@@ -89,7 +94,12 @@ def find_ground(points: Array, known: NDArray[np.bool_], max_tilt: float) -> roo
     """The level surface on which things stand in a picture without labels: a near table top, else the room's floor.
 
     The floor is the height with most points of those below which hardly any lie: the little that is seen of it between
-    furniture will do. Its `inliers` are over `points[known]`. Args as of `room_planes.find_up`.
+    furniture will do. Its `inliers` are over `points[known]`.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels with depth.
+        max_tilt: largest angle between image-up and its normal, degrees.
     """
     up = room_planes.find_up(points, known, max_tilt)
     if up is None:

@@ -45,8 +45,13 @@ def cell_normals(points: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]
 
 
 def find_up(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Array | None:
-    """The unit vector (3,) against gravity in the camera frame, at most `max_tilt` degrees from image-up; None: no
-    surface tells. Args as of `cell_normals`."""
+    """The unit vector (3,) against gravity in the camera frame; None: no surface tells.
+
+    Args:
+        points: (H, W, 3) camera frame, metres.
+        known: (H, W) pixels with depth.
+        max_tilt: largest angle to image-up, degrees.
+    """
     return estimate_up(cell_normals(points, known)[1], max_tilt)
 
 
@@ -63,10 +68,14 @@ def _share_level(normals: Array, max_tilt: float) -> float:
 
 
 def estimate_up(normals: Array, max_tilt: float) -> Array | None:
-    """Likewise, by the normals (N, 3) of surfaces, as of `cell_normals`.
+    """Likewise, by the normals of surfaces.
 
     A surface that faces up counts twice, an upright one and a ceiling once: a lone table top is upright, too, to
     every level direction.
+
+    Args:
+        normals: (N, 3) as of `cell_normals`.
+        max_tilt: largest angle to image-up, degrees.
     """
     if len(normals) < 3:
         return None
@@ -186,7 +195,8 @@ def scale_threshold(points: Array) -> float:
 def fit_floor(points: Array, max_tilt: float, rng: np.random.Generator) -> Plane | None:
     """The level plane with most inliers among points (N, 3), camera frame; its normal points up. None: there is none.
 
-    `max_tilt`: largest angle between image-up and its normal, degrees.
+    Args:
+        max_tilt: largest angle between image-up and its normal, degrees.
     """
     if len(points) < 3:
         return None

@@ -58,7 +58,8 @@ def agree_on_order(entries: list[ObjectCousins], items: list[SceneObject]) -> li
     A model that is no cousin of one of them has, there, the score of its last. Where a judge gives no scores,
     everything stays as it is.
 
-    `items`: the objects of the entries, in their order.
+    Args:
+        items: the objects of the entries, in their order.
     """
     result = list(entries)
     for group in group_alike(items):
@@ -122,7 +123,9 @@ def decide_cousins(
 ) -> ObjectCousins:
     """Ranked cousins of one object, each with its own orientation, as the judges decide, or by distance.
 
-    `models`: the candidates by votes and by distance; `orientations_of`: those of an asset, likewise.
+    Args:
+        models: the candidates by votes and by distance.
+        orientations_of: those of an asset, likewise.
     """
     notes = [candidates.note] if candidates.note else []
     decided_by, orientation_decided_by = judges.model_name, judges.orientation_name

@@ -135,7 +135,8 @@ class FeatureStore:
     def check_holds(self, models: Sequence[str], what: str) -> None:
         """Refuse models of which some are not in it: it is not of their library, or not of all that is needed.
 
-        `what`: that they are, in plural.
+        Args:
+            what: that they are, in plural.
         """
         missing = [name for name in models if name not in self]
         if missing:

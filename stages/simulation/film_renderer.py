@@ -62,7 +62,8 @@ class FilmRenderer:
 class Shot:
     """An episode in a renderer with a fixed camera. Close it before the next one begins.
 
-    `moments`: moments of the episode, or expected ones; the camera is placed so that it shows all of them.
+    Args:
+        moments: moments of the episode, or expected ones; the camera is placed so that it shows all of them.
     """
 
     def __init__(self, renderer: FilmRenderer, recording: Recording, moments: Sequence[Moment]) -> None:

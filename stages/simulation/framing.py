@@ -22,7 +22,8 @@ def frame_all(points: Array, direction: Array, aspect: float) -> Array:
     A point is in the frame if its offsets from the axis stay below its depth times the tangents of the half angles;
     for one viewing direction that is linear in the camera's place, so the nearest place is found directly.
 
-    `aspect`: height by width of the picture.
+    Args:
+        aspect: height by width of the picture.
     """
     forward = -direction / np.linalg.norm(direction)
     right = np.cross(forward, [0.0, 0.0, 1.0])
