@@ -85,7 +85,7 @@ def pictures(results: Path, scene: str, rank: int, object: str, task: str) -> It
         room = read_room(folder / f"scene_{rank}.json", object, results / "assets/library/library.json", Path(cache))
         recording = find_demonstration(replace(room, look=look), task)
         moments = smooth(recording.moments)
-        film = FilmRenderer(look.light, LARGE[0]).film(replace(recording, moments=moments), len(moments))
+        film = FilmRenderer(look.light, 3 * LARGE[0] // 2).film(replace(recording, moments=moments), len(moments))
     left = [
         add_title(read_rgb(results / "scenes" / scene / "input/rgb.png"), SMALL, "1  a picture"),
         np.full((GAP, SMALL[0], 3), WHITE, np.uint8),

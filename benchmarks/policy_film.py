@@ -83,7 +83,9 @@ def pictures(given: argparse.Namespace) -> Iterator[Image]:
         recording = find_success(given, folder, Path(cache))
         moments = smooth(recording.moments)[:: given.every]
         light = read_json(Look, folder / "look.json").light
-        film = FilmRenderer(light, *LARGE).film(replace(recording, moments=moments), len(moments))
+        film = FilmRenderer(light, *(3 * side // 2 for side in LARGE)).film(
+            replace(recording, moments=moments), len(moments)
+        )
     row = [
         add_title(read_rgb(given.photograph), SMALL, "1  a photograph"),
         np.full((SMALL[1], GAP, 3), WHITE, np.uint8),

@@ -43,9 +43,8 @@ def read_films(path: Path) -> Films:
     films = read_json(Films, path)
     for film in films.films:
         if not path.with_name(film.file).is_file():
-            raise InputError(
-                path, f"names {film.file}, which is not beside it.", "make the films again", code="E-FILE-MISSING"
-            )
+            what = f"names {film.file}, which is not beside it."
+            raise InputError(path, what, "make the films again", code="E-FILE-MISSING")
     return films
 
 

@@ -52,9 +52,8 @@ def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, qual
     """
     form = Path(path).suffix.lower()
     if form not in (".webp", ".gif", ".mp4"):
-        raise InputError(
-            path, "is in no format that is written.", "end its name with .webp, .gif or .mp4", code="E-FILM"
-        )
+        fix = "end its name with .webp, .gif or .mp4"
+        raise InputError(path, "is in no format that is written.", fix, code="E-FILM")
     arrays = [np.asarray(torch.as_tensor(picture).cpu()) for picture in pictures]
     if not arrays:
         raise InputError(path, "gets no pictures.", "append `env.render()` after every step", code="E-FILM")
@@ -81,9 +80,8 @@ def _write_mp4(path: Path, images: Sequence[Pillow.Image], frequency: float) -> 
 def make_film_strip(pictures: Sequence[Image]) -> Image:
     """An episode in a row: (H, FRAMES * TILE, 3)."""
     height = TILE * pictures[0].shape[0] // pictures[0].shape[1]
-    row = [
-        cv2.resize(picture, (TILE, height), interpolation=cv2.INTER_AREA) for picture in pick_evenly(pictures, FRAMES)
-    ]
+    shown = pick_evenly(pictures, FRAMES)
+    row = [cv2.resize(picture, (TILE, height), interpolation=cv2.INTER_AREA) for picture in shown]
     return np.concatenate(row, axis=1).astype(np.uint8, copy=False)
 
 

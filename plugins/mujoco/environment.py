@@ -12,17 +12,8 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from roomkin.plugins.mujoco.world import (
-    ARM_JOINTS,
-    CAMERA,
-    FINGER_JOINTS,
-    MODEL,
-    ROBOT,
-    TIMESTEP,
-    DepthCamera,
-    ModelFiles,
-    build,
-)
+from roomkin.plugins.mujoco import world
+from roomkin.plugins.mujoco.world import ARM_JOINTS, FINGER_JOINTS, MODEL, ROBOT, DepthCamera, ModelFiles
 from roomkin.stages.articulated.asset_folder import write_asset
 from roomkin.stages.articulated.resizing import resize_model
 from roomkin.stages.contracts import Asset, InputError, read_json
@@ -76,10 +67,8 @@ class MujocoTaskEnv(EnvWrapper):
         self.rig.place({}, 0, seed)
         camera = self.base @ self.rig.pose("shoulder", 0)
         camera[:3, :3] = camera[:3, :3] @ CAMERA_FROM_IMAGE
-        options = self.options
-        self.model = build(
-            self._files.of(self.folder), self.base, self.root, camera, options.camera_fov, options.camera_size
-        )
+        file, view, size = self._files.of(self.folder), self.options.camera_fov, self.options.camera_size
+        self.model = world.build(file, self.base, self.root, camera, view, size)
         self.data = mujoco.MjData(self.model)
         self._scratch = mujoco.MjData(self.model)
         self._arm = [int(self.model.joint(ROBOT + name).qposadr[0]) for name in ARM_JOINTS]
@@ -103,7 +92,7 @@ class MujocoTaskEnv(EnvWrapper):
         closing = (np.clip(given[0, 6], -1, 1) + 1) / 2
         self.data.ctrl[:7] = goal
         self.data.ctrl[7:] = GRIPPER_CLOSED + closing * (GRIPPER_OPEN - GRIPPER_CLOSED)
-        for _ in range(round(1 / (options.control_frequency * TIMESTEP))):
+        for _ in range(round(1 / (options.control_frequency * world.TIMESTEP))):
             mujoco.mj_step(self.model, self.data)
         self.steps += 1
         fractions = self._fractions()
@@ -178,8 +167,8 @@ class MujocoTaskEnv(EnvWrapper):
             self._known = folder, self.joint
 
     def _read_target(self) -> Target:
-        world = physics_scene()  # as long as its bodies
-        body = load_asset(world, self.folder, sapien.Pose(), True, "")
+        scene = physics_scene()  # as long as its bodies
+        body = load_asset(scene, self.folder, sapien.Pose(), True, "")
         return read_target(body, [joint.name for joint in body.active_joints].index(self.joint))
 
     def _positions(self) -> dict[str, float]:
@@ -193,7 +182,7 @@ class MujocoTaskEnv(EnvWrapper):
 
     def _reach(self, start: Array, goal: Array) -> Array:
         """Joints (7,) near `start` that bring the hand towards `goal` (4, 4), base frame, by MuJoCo's Jacobian."""
-        world, data = self.base @ goal, self._scratch
+        hand, data = self.base @ goal, self._scratch
         data.qpos[:] = self.data.qpos
         joints = start.copy()
         low, high = np.array([self.model.joint(ROBOT + name).range for name in ARM_JOINTS]).T
@@ -201,7 +190,7 @@ class MujocoTaskEnv(EnvWrapper):
         place, turn = np.zeros((3, self.model.nv)), np.zeros((3, self.model.nv))
         error = np.zeros(6)
         wanted, found, away = np.zeros(4), np.zeros(4), np.zeros(4)
-        mujoco.mju_mat2Quat(wanted, world[:3, :3].ravel())
+        mujoco.mju_mat2Quat(wanted, hand[:3, :3].ravel())
         for _ in range(20):
             data.qpos[self._arm] = joints
             mujoco.mj_kinematics(self.model, data)
@@ -211,7 +200,7 @@ class MujocoTaskEnv(EnvWrapper):
             mujoco.mju_negQuat(found, found)
             mujoco.mju_mulQuat(away, wanted, found)
             mujoco.mju_quat2Vel(error[3:], away, 1.0)
-            error[:3] = world[:3, 3] - data.site_xpos[site]
+            error[:3] = hand[:3, 3] - data.site_xpos[site]
             jacobian = np.vstack([place, turn])[:, self._arm_dofs]
             step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + IK_DAMPING**2 * np.eye(6), error)
             joints = joints + step * min(1.0, MAX_JOINT_STEP / max(np.abs(step).max(), 1e-9))
@@ -223,7 +212,7 @@ class MujocoTaskEnv(EnvWrapper):
     def _picture(self) -> NDArray[np.int16]:
         """(H, W, 4) position in the camera's frame in millimetres, and 1 where the cloud shows something."""
         if self._camera is None:
-            self._camera = DepthCamera(self.model, CAMERA, self.options.camera_size)
+            self._camera = DepthCamera(self.model, world.CAMERA, self.options.camera_size)
         depth, ids = self._camera.take(self.data)
         shown = np.isin(ids, self._find_seen_geoms())
         half = (len(depth) - 1) / 2

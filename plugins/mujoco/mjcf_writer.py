@@ -87,18 +87,10 @@ class ModelWriter:
         hinge, stiffness = joint.type == "revolute", PARTS[joint.part_type].spring if joint.part_type else 0.0
         spring = {"stiffness": text([stiffness]), "springref": text([joint.lower])} if stiffness else {}
         ET.SubElement(
-            element,
-            "joint",
-            spring,
-            name=f"{model}/{joint.name}",
-            type="hinge" if hinge else "slide",
-            axis=text(joint.axis),
-            range=text([joint.lower, joint.upper]),
-            limited="true",
-            ref=text([joint.lower]),
-            damping=text([DAMPING]),
-            frictionloss=text([FRICTION]),
-        )
+            element, "joint", spring, name=f"{model}/{joint.name}", type="hinge" if hinge else "slide",
+            axis=text(joint.axis), range=text([joint.lower, joint.upper]), limited="true", ref=text([joint.lower]),
+            damping=text([DAMPING]), frictionloss=text([FRICTION]),
+        )  # fmt: skip
 
     def _link(self, element: ET.Element, model: str, link: Link) -> None:
         i = link.inertia

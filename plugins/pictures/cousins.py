@@ -14,7 +14,7 @@ from roomkin.stages.contracts.cousins import Cousin
 from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.images import LETTERS, TILE
 from roomkin.stages.contracts.objects import SceneObject
-from roomkin.stages.geometry.masks import ObjectView, darken_rest
+from roomkin.stages.geometry.masks import darken_rest
 from roomkin.stages.matching.snapshots import SceneObjects, Snapshots
 
 
@@ -73,7 +73,7 @@ def write_picture(
             raise InputError("--cousins", what, "match it again", code="E-SCENE-MIXED")
         view = scene.view(item)
         if view.mask.any():
-            page.paste(Image.fromarray(crop_picture(view)), (margin, y))
+            page.paste(Image.fromarray(_fit(darken_rest(view))), (margin, y))
         parts = [count(n, noun) for n, noun in ((item.doors, "door"), (item.drawers, "drawer")) if n]
         draw.text((margin, y + TILE + 2), f"{entry.id}\n{', '.join(parts)}", "black", font)
         if entry.status == "failed":
@@ -91,11 +91,6 @@ def write_picture(
         draw.line([(margin, y + step_y - 4), (page.width - margin, y + step_y - 4)], "darkgrey")
     with write_atomically(path) as temporary:
         page.save(temporary)
-
-
-def crop_picture(view: ObjectView) -> Picture:
-    """The object (TILE, TILE, 3) with a little of what is around it, darkened outside its mask."""
-    return _fit(darken_rest(view))
 
 
 def _fit(picture: Picture) -> Picture:

@@ -10,7 +10,7 @@ from trimesh.exchange.gltf import export_glb
 
 from roomkin.stages.articulated.mesh_writer import ColoredMesh, surfaces
 from roomkin.stages.articulated.model import JointModel
-from roomkin.stages.contracts import GeneratedScene, write_atomically
+from roomkin.stages.contracts import write_atomically
 from roomkin.stages.generation.scene_file import CAMERA, Body, ExportedScene, surface_of
 from roomkin.stages.geometry.frames import OPENGL, Y_UP, make_transform, yaw_matrix
 
@@ -30,10 +30,8 @@ def write(room: ExportedScene, out: Path, largest: int | None = None) -> None:
         "radius": round(float(np.linalg.norm(high - low)) / 2, 4),
     }
     for block in room.blocks:
-        pose, kind = (
-            Y_UP @ make_transform(yaw_matrix(block.yaw), block.center),
-            "floor" if block.name == "floor" else "wall",
-        )
+        pose = Y_UP @ make_transform(yaw_matrix(block.yaw), block.center)
+        kind = "floor" if block.name == "floor" else "wall"
         mesh = _mesh(surface_of(block), largest)
         scene.add_geometry(mesh, node_name=block.name, geom_name=block.name, transform=pose, metadata={"surface": kind})
     for body in room.bodies:
@@ -42,15 +40,14 @@ def write(room: ExportedScene, out: Path, largest: int | None = None) -> None:
     fov = np.degrees(2 * np.arctan([view.width / view.intrinsics[0][0] / 2, view.height / view.intrinsics[1][1] / 2]))
     scene.camera = trimesh.scene.Camera(name=CAMERA, resolution=(view.width, view.height), fov=fov, z_far=100.0)
     scene.camera_transform = Y_UP @ room.world_from_camera @ OPENGL
+
+    def set_aspect(tree: dict[str, Any]) -> None:
+        """The camera's aspect is that of the picture (trimesh takes the ratio of the angles)."""
+        tree["cameras"][0]["perspective"]["aspectRatio"] = view.width / view.height
+
     with write_atomically(out) as path:
-        path.write_bytes(
-            export_glb(
-                scene,
-                include_normals=True,
-                extension_webp=largest is not None,
-                tree_postprocessor=lambda tree: _set_aspect(tree, view),
-            )
-        )
+        webp = largest is not None
+        path.write_bytes(export_glb(scene, include_normals=True, extension_webp=webp, tree_postprocessor=set_aspect))
 
 
 def _add(scene: trimesh.Scene, body: Body, largest: int | None) -> None:
@@ -78,21 +75,13 @@ def _describe_joint(joint: JointModel | None) -> dict[str, Any]:
     return {"joint": joint.type, "axis": axis, "lower": round(joint.lower, 5), "upper": round(joint.upper, 5)}
 
 
-def _set_aspect(tree: dict[str, Any], generated: GeneratedScene) -> None:
-    """The camera's aspect is that of the picture (trimesh takes the ratio of the angles)."""
-    tree["cameras"][0]["perspective"]["aspectRatio"] = generated.width / generated.height
-
-
 def _mesh(surface: ColoredMesh, largest: int | None) -> Trimesh:
     image = surface.image
     if image is not None and largest is not None:
         image = image.convert("RGB")
         image.thumbnail((largest, largest))
     material = trimesh.visual.material.PBRMaterial(
-        baseColorFactor=np.array(surface.color),
-        baseColorTexture=image,
-        metallicFactor=0.0,
-        roughnessFactor=0.8,
+        baseColorFactor=np.array(surface.color), baseColorTexture=image, metallicFactor=0.0, roughnessFactor=0.8
     )
     visual = trimesh.visual.TextureVisuals(uv=surface.uv, material=material)
     return Trimesh(surface.vertices, surface.faces, vertex_normals=surface.normals, visual=visual, process=False)

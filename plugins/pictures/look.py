@@ -17,7 +17,7 @@ from roomkin.stages.contracts.types import LARGEST
 from roomkin.stages.generation.placed import Placed, read_collisions
 from roomkin.stages.generation.settling import load_items
 from roomkin.stages.geometry.boxes import corners
-from roomkin.stages.geometry.frames import SAMPLED, back_project, transform_points
+from roomkin.stages.geometry.frames import SAMPLED, back_project, scale_intrinsics, transform_points
 from roomkin.stages.geometry.masks import MIN_PIXELS
 from roomkin.stages.simulation.rendering import RenderCamera, instance_id, make_scene
 from roomkin.stages.simulation.room import BEYOND, WALL_HEIGHT, add_backdrop
@@ -29,9 +29,8 @@ def furnish(generated: GeneratedScene, items: list[Placed], look: Look) -> sapie
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = float(np.linalg.norm(points - center, axis=1).max()) + BEYOND
     scene = make_scene(light=look.light, shaded=(center.tolist(), radius))
-    add_backdrop(
-        scene, [item.box for item in items], generated.walls, np.array(generated.floor_from_camera)[:3, 3], look
-    )
+    camera = np.array(generated.floor_from_camera)[:3, 3]
+    add_backdrop(scene, [item.box for item in items], generated.walls, camera, look)
     load_items(scene, items)
     return scene
 
@@ -43,8 +42,7 @@ def draw_preview(scene: sapien.Scene, generated: GeneratedScene, width: int) -> 
     """The scene as the input camera sees it, (H, width, 3); its world is the floor frame."""
     factor = SMOOTHING * width / generated.width
     height = round(generated.height * width / generated.width)
-    intrinsics = np.array(generated.intrinsics) * [[factor], [factor], [1.0]]
-    intrinsics[:2, 2] += (factor - 1) / 2  # pixel centers are at integers
+    intrinsics = scale_intrinsics(np.array(generated.intrinsics), factor, factor)
     picture = RenderCamera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(generated.floor_from_camera)
     return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
 
@@ -68,11 +66,6 @@ def draw_side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Im
         canvas.text((x + width / 2, y + title_height / 2), title, fill="black", font=font, anchor="mm")
         sheet.paste(Image.fromarray(picture).resize((width, height)), (x, y + title_height))
     return sheet
-
-
-def draw_thumbnail(pictures: list[NDArray[np.uint8]]) -> Image.Image:
-    """Pictures of one size beside each other, small."""
-    return Image.fromarray(np.hstack([resize_to(picture, 144) for picture in pictures]))
 
 
 Array = NDArray[np.float64]

@@ -3,18 +3,12 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from roomkin.plugins.pictures import glb
-from roomkin.plugins.pictures.look import (
-    draw_preview,
-    draw_side_by_side,
-    draw_thumbnail,
-    estimate_look,
-    furnish,
-    resize_to,
-)
+from roomkin.plugins.pictures.look import draw_preview, draw_side_by_side, estimate_look, furnish, resize_to
 from roomkin.stages.cli import progress
 from roomkin.stages.config.code import code_digest
 from roomkin.stages.contracts import GeneratedScene, Objects, read_json, write_atomically, write_json
@@ -23,6 +17,7 @@ from roomkin.stages.contracts.images import check_size, read_rgb
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.generation.scene_file import read_items, room_of
 
+THUMBNAIL = 144  # pixels: width of each of its two pictures
 VIEW_TEXTURE = 128  # pixels: textures of the scenes that pages let turn; chosen
 
 
@@ -69,7 +64,8 @@ def run(
     with write_atomically(out / "comparison.png") as temporary:
         draw_side_by_side(pictures).save(temporary, pnginfo=_text(origins))
     with write_atomically(out / "thumbnail.webp") as temporary:
-        draw_thumbnail([picture for _, picture in pictures[:2]]).save(temporary, quality=70)
+        small = [resize_to(picture, THUMBNAIL) for _, picture in pictures[:2]]
+        Image.fromarray(np.hstack(small)).save(temporary, quality=70)
     if found is not None:
         write_json(out / "look.json", found)
 

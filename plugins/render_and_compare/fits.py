@@ -7,14 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roomkin.plugins.render_and_compare.observation import (
-    NoisyCloud,
-    ObservedGrid,
-    aligned_yaws,
-    is_front_known,
-    observe,
-    touched_walls,
-)
+from roomkin.plugins.render_and_compare import observation
+from roomkin.plugins.render_and_compare.observation import NoisyCloud, ObservedGrid
 from roomkin.plugins.render_and_compare.package import GeometryConfig
 from roomkin.plugins.render_and_compare.rendering import ColoredSolid, Rendering, render
 from roomkin.stages.contracts import Objects
@@ -217,14 +211,8 @@ class Fit(NamedTuple):
 
     def score(self, weights: GeometryConfig) -> float:
         """Weighted sum of the terms: more is better."""
-        terms = self.terms
-        return (
-            weights.outline * terms.outline
-            + weights.depth * terms.depth
-            + weights.lines * terms.lines
-            + weights.colour * terms.colour
-            - weights.proportions * terms.proportions
-        )
+        agreement = sum(getattr(weights, name) * getattr(self.terms, name) for name in Terms._fields[:-1])
+        return float(agreement - weights.proportions * self.terms.proportions)
 
 
 class Fitter:
@@ -233,14 +221,17 @@ class Fitter:
     def __init__(self, view: ObjectView, item: SceneObject, scene: Objects, resolution: int) -> None:
         assert item.box is not None
         self.box = UprightBox(item.box.center, item.box.size, item.box.yaw)
-        self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution)
+        self.seen = observation.observe(
+            view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution
+        )
         self.lines = line_field(self.seen.rgb)
         self.sight = NoisyCloud(self.seen.cloud, self.seen.eye, scene.depth_error.predict)
-        self.wall = next(((np.array(wall.normal), wall.offset) for wall in touched_walls(item, scene)), None)
+        walls = observation.touched_walls(item, scene)
+        self.wall = (np.array(walls[0].normal), walls[0].offset) if walls else None
         self._measured: dict[float, Measured] = {}
         self._fits: dict[tuple[str, float], Fit] = {}
-        self.front_known = is_front_known(item, scene)
-        self.aligned = aligned_yaws(item, scene)
+        self.front_known = observation.is_front_known(item, scene)
+        self.aligned = observation.aligned_yaws(item, scene)
 
     def fit(self, solid: ColoredSolid, yaws: Sequence[float]) -> list[Fit]:
         """The model at several yaws of the floor frame, those left out that its symmetry makes equal."""

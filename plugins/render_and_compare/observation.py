@@ -92,16 +92,11 @@ def observe(view: ObjectView, floor_from_camera: Array, depth_error: DepthError,
         rgb=smooth(view.rgb.astype(np.float32) / np.float32(255)),
         mask=(smooth(view.mask.astype(np.float32)) >= 0.5) & inside,
         depth=np.where(inside, view.depth[nearest], 0).astype(np.float32),
-        depth_error=depth_error,
-        inside=inside,
-        corner=corner,
-        step=step,
+        depth_error=depth_error, inside=inside, corner=corner, step=step,
         intrinsics=np.asarray(view.intrinsics, dtype=float),
-        floor_from_camera=np.asarray(floor_from_camera, dtype=float),
-        sides=np.array([x0, y0, x1, y1]) - 0.5,
-        free=free_sides(view.mask, view.depth, depth_error),
-        cloud=_cloud(view, floor_from_camera),
-    )
+        floor_from_camera=np.asarray(floor_from_camera, dtype=float), sides=np.array([x0, y0, x1, y1]) - 0.5,
+        free=free_sides(view.mask, view.depth, depth_error), cloud=_cloud(view, floor_from_camera),
+    )  # fmt: skip
 
 
 def _cloud(view: ObjectView, floor_from_camera: Array) -> Array:

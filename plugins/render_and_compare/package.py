@@ -27,15 +27,9 @@ class GeometryConfig(Section):
         return self.outline + self.depth + self.lines + self.colour
 
 
+ABOUT = "The judge `geometry`: candidates rendered in place (docs/matching.md)."
 PACKAGE = Package(
     judges=True,
-    sections={
-        "geometry": (
-            GeometryConfig,
-            Field(
-                GeometryConfig(), description="The judge `geometry`: candidates rendered in place (docs/matching.md)."
-            ),
-        )
-    },
+    sections={"geometry": (GeometryConfig, Field(GeometryConfig(), description=ABOUT))},
     draws={"matching": "roomkin.plugins.render_and_compare.in_place"},
 )

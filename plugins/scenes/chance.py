@@ -4,6 +4,7 @@ import colorsys
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,15 +14,8 @@ from roomkin.plugins.scenes import recipe
 from roomkin.plugins.scenes.layout import ATTEMPTS, CastRoom, arrange, choose_models, templates
 from roomkin.plugins.scenes.recipe import ScenesConfig
 from roomkin.stages.contracts import Asset, InputError
+from roomkin.stages.geometry import frames
 from roomkin.stages.geometry.boxes import UprightBox, corners, distances_along
-from roomkin.stages.geometry.frames import (
-    MARGIN,
-    intrinsics_from_fov,
-    invert_transform,
-    look_at,
-    project,
-    transform_points,
-)
 
 Matrix = NDArray[np.float64]
 
@@ -30,8 +24,8 @@ def _aim_camera(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
     """`world_from_camera` at `eye` that has the points' picture in its center."""
     target = points.mean(axis=0)
     for _ in range(8):
-        world_from_camera = look_at(eye, target)
-        pixels = project(transform_points(invert_transform(world_from_camera), points), intrinsics)
+        world_from_camera = frames.look_at(eye, target)
+        pixels = frames.project(frames.transform_points(frames.invert_transform(world_from_camera), points), intrinsics)
         if not np.isfinite(pixels).all():
             break
         middle = (pixels.min(axis=0) + pixels.max(axis=0)) / 2
@@ -47,12 +41,9 @@ def frame(points: Matrix, stand: recipe.CameraStand, width: int, height: int, ma
 
     Args:
         points: (N, 3) in the room frame, all of which are to be in the picture.
-        stand: direction, eye height and vertical field of view.
-        width: of the picture in pixels.
-        height: of the picture in pixels.
-        margin: share of the picture left free at each border.
+        width, height: of the picture, pixels; margin: share of it left free at each border.
     """
-    intrinsics = intrinsics_from_fov(width, height, np.deg2rad(stand.fov))
+    intrinsics = frames.intrinsics_from_fov(width, height, np.deg2rad(stand.fov))
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     azimuth = np.deg2rad(stand.azimuth)
     line = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
@@ -62,7 +53,7 @@ def frame(points: Matrix, stand: recipe.CameraStand, width: int, height: int, ma
 
     def measure_excess(distance: float) -> float:
         """By how much of the picture's size the points stick out of the margins."""
-        pixels = project(transform_points(invert_transform(pose(distance)), points), intrinsics)
+        pixels = frames.project(frames.transform_points(frames.invert_transform(pose(distance)), points), intrinsics)
         if not np.isfinite(pixels).all():
             return 10.0
         size = np.array([width - 1, height - 1])
@@ -100,12 +91,11 @@ def draw_room(
             continue
         boxes = [standing.box for standing in layout.standing.values()]
         points = np.concatenate([corners(box) for box in boxes])
-        camera = frame(points, drawn.camera, options.width, options.height, MARGIN)
+        camera = frame(points, drawn.camera, options.width, options.height, frames.MARGIN)
         if are_all_seen(boxes, *camera, options.width, options.height):
             return CastRoom(drawn, layout, assets)
-    raise InputError(
-        library, f"{room.name}: no draw of models and places fits.", "change the seed", code="E-ROOM-LAYOUT"
-    )
+    what = f"{room.name}: no draw of models and places fits."
+    raise InputError(library, what, "change the seed", code="E-ROOM-LAYOUT")
 
 
 def redraw_recipe(room: recipe.RoomPlan, rng: Rng, reach: float = 1.0) -> recipe.RoomPlan:
@@ -131,36 +121,34 @@ def colors(rng: Rng) -> dict[str, recipe.Color]:
 
 def _mirror_item(item: recipe.Item) -> recipe.Item:
     """Left and right exchanged."""
-    place: recipe.Place = item.place
-    if isinstance(place, recipe.Against):
-        along = -place.along if place.against == "back" else place.along
-        place = recipe.Against(against=MIRRORED[place.against], along=along, gap=place.gap)
-    elif isinstance(place, recipe.Hung):
-        along = -place.along if place.hung == "back" else place.along
-        place = recipe.Hung(hung=MIRRORED[place.hung], along=along, z=place.z)
+    place, change = item.place, dict[str, Any]()
+    if isinstance(place, recipe.Against | recipe.Hung):
+        key = "against" if isinstance(place, recipe.Against) else "hung"
+        wall = getattr(place, key)
+        change = {key: MIRRORED[wall], "along": -place.along if wall == "back" else place.along}
     elif isinstance(place, recipe.Beside):
-        place = recipe.Beside(beside=place.beside, side="left" if place.side == "right" else "right", gap=place.gap)
+        change = {"side": "left" if place.side == "right" else "right"}
     elif isinstance(place, recipe.Floor):
-        place = recipe.Floor(floor=(place.floor[0], -place.floor[1]), yaw=-place.yaw)
+        change = {"floor": (place.floor[0], -place.floor[1]), "yaw": -place.yaw}
     else:
-        place = recipe.On(on_top=place.on_top, forward=place.forward, right=-place.right, yaw=-place.yaw)
-    return item.model_copy(update={"place": place})
+        change = {"right": -place.right, "yaw": -place.yaw}
+    return item.model_copy(update={"place": place.model_copy(update=change)})
 
 
 def _move_item(item: recipe.Item, rng: Rng, reach: float) -> recipe.Item:
     a, b, c = (reach * rng.uniform(-1, 1, 3)).tolist()
-    place: recipe.Place = item.place
+    place, change = item.place, dict[str, Any]()
     if isinstance(place, recipe.Against):
-        place = place.model_copy(update={"along": place.along + ALONG * a})
+        change = {"along": place.along + ALONG * a}
     elif isinstance(place, recipe.Hung):
-        place = place.model_copy(update={"along": place.along + ALONG * a, "z": place.z + HEIGHT * b})
+        change = {"along": place.along + ALONG * a, "z": place.z + HEIGHT * b}
     elif isinstance(place, recipe.Floor):
         x, y = place.floor
-        place = recipe.Floor(floor=(x + ON_FLOOR * a, y + ON_FLOOR * b), yaw=place.yaw + TURN * c)
+        change = {"floor": (x + ON_FLOOR * a, y + ON_FLOOR * b), "yaw": place.yaw + TURN * c}
     elif isinstance(place, recipe.On):
         forward, right = np.clip([place.forward + ON_TOP * a, place.right + ON_TOP * b], -1, 1).tolist()
-        place = recipe.On(on_top=place.on_top, forward=forward, right=right, yaw=place.yaw + TURN * c)
-    return item.model_copy(update={"place": place})
+        change = {"forward": forward, "right": right, "yaw": place.yaw + TURN * c}
+    return item.model_copy(update={"place": place.model_copy(update=change)})
 
 
 def are_all_seen(

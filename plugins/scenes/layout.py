@@ -163,11 +163,9 @@ def choose_models(
     for item in room.items:
         able = [name for name, one in left.items() if one.category == item.category and item.model.accepts(one)]
         if not able:
-            fault = (
-                f"has no model left for '{item.name}' of {room.name}: category {item.category}, {item.model.text()}."
-            )
+            fault = f"has no model left for '{item.name}' of {room.name}: category {item.category}, "
             fix = f"raise assets.counts.{item.category} (no model stands in two rooms)"
-            raise InputError(library, fault, fix, code="E-MODELS-SHORT")
+            raise InputError(library, f"{fault}{item.model.text()}.", fix, code="E-MODELS-SHORT")
         chosen[item.name] = left.pop(able[int(rng.integers(len(able)))])
     return chosen
 
@@ -205,7 +203,6 @@ def cast_room(
     """The room with models of those `able` to play, by chance; None if no choice of many fits its layout."""
     for _ in range(ATTEMPTS):
         assets = choose_models(room, models, able, rng, library)
-        layout = arrange(room, {name: asset.size for name, asset in assets.items()})
-        if layout is not None:
+        if layout := arrange(room, {name: asset.size for name, asset in assets.items()}):
             return CastRoom(room, layout, assets)
     return None

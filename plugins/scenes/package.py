@@ -58,10 +58,7 @@ def _lacking(room: str, files: list[Path], counts: Mapping[str, int]) -> Iterato
 
 
 PACKAGE = Package(
-    commands={"render": ScenesConfig},
-    section="scenes",
+    commands={"render": ScenesConfig}, section="scenes", rooms=rooms_of, mistakes=find_mistakes,
     sections={"scenes": (ScenesConfig, Field(ScenesConfig(), description="The sim-to-sim rooms (B.1, Table 2)."))},
-    rooms=rooms_of,
     outside=lambda config: config.experiment.room_files,
-    mistakes=find_mistakes,
-)
+)  # fmt: skip

@@ -17,6 +17,7 @@ from roomkin.stages.articulated.asset_folder import write_asset
 from roomkin.stages.articulated.resizing import load_maker, resize_model
 from roomkin.stages.contracts import Asset, InputError
 from roomkin.stages.contracts.library import Vector
+from roomkin.stages.geometry.frames import scale_intrinsics
 from roomkin.stages.simulation.loading import load_asset, root_pose
 from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 from roomkin.stages.simulation.room import THICKNESS
@@ -53,9 +54,8 @@ def repaint_room(cast_room: CastRoom, library: Mapping[str, Path], out: Path, se
         if layout is not None:
             break
     else:
-        raise InputError(
-            cast_room.room.name, "its models fit at no other size.", "change the seed", code="E-ROOM-LAYOUT"
-        )
+        what = "its models fit at no other size."
+        raise InputError(cast_room.room.name, what, "change the seed", code="E-ROOM-LAYOUT")
     folders = {name: out / name for name in cast_room.assets}
     assets = {
         name: _paint_model(asset, library[asset.id], sizes[name], folders[name], rng)
@@ -171,8 +171,7 @@ def photograph(
 
     rgb, n = plain.rgb, options.supersampling
     if n > 1:
-        fine = np.diag([n, n, 1.0]) @ intrinsics
-        fine[:2, 2] += (n - 1) / 2  # pixel centers are at integers
+        fine = scale_intrinsics(intrinsics, n, n)
         large = RenderCamera(scene, fine, n * options.width, n * options.height).render(world_from_camera).rgb
         rgb = np.asarray(cv2.resize(large, (options.width, options.height), interpolation=cv2.INTER_AREA))
     if appearance.gain is not None:

@@ -240,9 +240,8 @@ def list_objects(file: Path) -> dict[str, Mapping[str, bool]]:
         items = read_room(file).items
     except InputError:
         return {}
-    known = ((item.model, CATEGORIES.get(item.category, Known(0, False, False))) for item in items)
-    panels: Iterable[Mapping[str, bool]] = (
-        {front: getattr(kind, f"{front}s") and getattr(model, f"{front}s")[1] > 0 for front in FRONTS}
-        for model, kind in known
-    )
-    return dict(zip(object_ids(item.label for item in items), panels, strict=True))
+    found: dict[str, Mapping[str, bool]] = {}
+    for name, item in zip(object_ids(item.label for item in items), items, strict=True):
+        kind = CATEGORIES.get(item.category, Known(0, False, False))
+        found[name] = {each: getattr(kind, f"{each}s") and getattr(item.model, f"{each}s")[1] > 0 for each in FRONTS}
+    return found

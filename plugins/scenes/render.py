@@ -17,55 +17,30 @@ from roomkin.stages.geometry.boxes import corners
 from roomkin.stages.geometry.frames import MARGIN
 
 
-def mask_values(cast_room: CastRoom) -> dict[str, int]:
-    """Value in masks.png of every item; the floor and the walls come after them."""
-    return {item.name: value for value, item in enumerate(cast_room.room.items, start=1)}
-
-
 def truth_of(cast_room: CastRoom, world_from_camera: np.ndarray) -> Truth:
-    """The true places of all items."""
-    values = mask_values(cast_room)
+    """The true places of all items; in masks.png they are in their order from 1, floor and walls come after them."""
+    values = {item.name: value for value, item in enumerate(cast_room.room.items, start=1)}
     objects = []
     for name, standing in cast_room.layout.standing.items():
         asset, box = cast_room.assets[name], standing.box
-        objects.append(
-            TrueObject(
-                mask=values[name],
-                asset=asset.id,
-                category=asset.category,
-                position=tuple(box.center.tolist()),
-                yaw=box.yaw,
-                size=tuple(box.size.tolist()),
-                symmetry=asset.symmetry,
-                support=str(values.get(standing.support, standing.support)),
-            )
-        )
-    return Truth(
-        scene=cast_room.room.name,
-        scale=scale_of(np.array([item.position for item in objects])),
-        world_from_camera=world_from_camera.tolist(),
-        objects=objects,
-    )
+        objects.append(TrueObject(
+            mask=values[name], asset=asset.id, category=asset.category, position=tuple(box.center.tolist()),
+            yaw=box.yaw, size=tuple(box.size.tolist()), symmetry=asset.symmetry,
+            support=str(values.get(standing.support, standing.support)),
+        ))  # fmt: skip
+    scene, scale = cast_room.room.name, scale_of(np.array([item.position for item in objects]))
+    return Truth(scene=scene, scale=scale, world_from_camera=world_from_camera.tolist(), objects=objects)
 
 
 def annotations_of(cast_room: CastRoom) -> Annotations:
     """The captions of a perfect captioner: labels, doors and drawers, which mask is the floor and which are walls."""
-    values, assets = mask_values(cast_room), cast_room.assets
-    count = len(values)
-    return Annotations(
-        objects=[
-            Annotation(
-                mask=values[item.name],
-                label=item.label,
-                articulated=assets[item.name].articulated,
-                doors=assets[item.name].doors,
-                drawers=assets[item.name].drawers,
-            )
-            for item in cast_room.room.items
-        ],
-        floor=count + 1,
-        walls=[count + 2 + k for k in range(len(cast_room.room.walls))],
-    )
+    objects = []
+    for value, item in enumerate(cast_room.room.items, start=1):
+        asset = cast_room.assets[item.name]
+        counts = {"articulated": asset.articulated, "doors": asset.doors, "drawers": asset.drawers}
+        objects.append(Annotation(mask=value, label=item.label, **counts))
+    floor, walls = len(objects) + 1, len(cast_room.room.walls)
+    return Annotations(objects=objects, floor=floor, walls=[floor + 1 + k for k in range(walls)])
 
 
 def run(

@@ -11,7 +11,7 @@ from roomkin.stages.articulated.handle import list_moved_links
 from roomkin.stages.articulated.model import Matrix, frames_of
 from roomkin.stages.articulated.urdf_reader import UrdfReader
 from roomkin.stages.articulated.urdf_tree import THIN
-from roomkin.stages.contracts.library import Asset, FrontPanel, HandleKind, Joint
+from roomkin.stages.contracts.library import Asset, HandleKind
 from roomkin.stages.contracts.parts import PARTS, HingeSide, PartType
 from roomkin.stages.geometry.frames import transform_points
 
@@ -77,19 +77,12 @@ def target_joint(
 
 
 def _list_affordances(asset: Asset, part: PartType, sides: tuple[HingeSide, ...]) -> list[Affordance]:
-    return [
-        _affordance(asset, joint, joint.panel)
-        for joint in asset.joints
-        if joint.part_type == part and joint.handle and joint.panel and joint.panel.hinge in sides
-    ]
-
-
-def _affordance(asset: Asset, joint: Joint, panel: FrontPanel) -> Affordance:
-    assert joint.handle is not None
     _, width, height = asset.size
-    return Affordance(
-        joint.name, joint.handle, panel.hinge, panel.height / height, panel.size[0] / width, panel.size[1] / height
-    )
+    return [
+        Affordance(one.name, one.handle, at.hinge, at.height / height, at.size[0] / width, at.size[1] / height)
+        for one in asset.joints
+        if one.part_type == part and one.handle and (at := one.panel) and at.hinge in sides
+    ]
 
 
 COVERED = 0.4  # share of the front's area: more than a handle covers, less than its panel

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from roomkin.stages.articulated.handle import front_panel, measure_handle
 from roomkin.stages.articulated.model import JointModel, RobotModel, link_frames, measure_closed_box
@@ -15,10 +16,11 @@ from roomkin.stages.articulated.urdf_writer import write_urdf
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import as_json, ask_before_writing, forget, make_partial_path, read_json, record
 from roomkin.stages.contracts.library import Asset, Joint, Placement, Recipe, Symmetry
-from roomkin.stages.contracts.parts import FRONTS, PARTS, PartType
+from roomkin.stages.contracts.parts import FRONTS, PARTS
 from roomkin.stages.contracts.system import name_file_in_errors
 
 HANDLE_NAMES = ("handle", "knob", "nob", "pull", "grip")
+AGAIN = "make the library again: snakemake --cores 2 library"
 
 
 def assign_part_types(robot: RobotModel) -> RobotModel:
@@ -44,15 +46,11 @@ def assign_part_types(robot: RobotModel) -> RobotModel:
 
 def copy_part_types(robot: RobotModel, described: Iterable[Joint]) -> RobotModel:
     """A model with the part types and handles that its `asset.json` gives to its joints, by name."""
-    known = {joint.name: joint for joint in described}
-
-    def copy(joint: JointModel) -> JointModel:
-        stated = known.get(joint.name)
-        if stated is None:
-            return joint
-        return replace(joint, part_type=stated.part_type, handle_link=stated.handle_link, handle=stated.handle)
-
-    return replace(robot, joints=[copy(joint) for joint in robot.joints])
+    known: dict[str, dict[str, Any]] = {
+        one.name: {"part_type": one.part_type, "handle_link": one.handle_link, "handle": one.handle}
+        for one in described
+    }
+    return replace(robot, joints=[replace(joint, **known.get(joint.name, {})) for joint in robot.joints])
 
 
 def contract_joints(robot: RobotModel) -> list[Joint]:
@@ -65,27 +63,13 @@ def contract_joints(robot: RobotModel) -> list[Joint]:
         handle = joint.handle
         if handle is None and joint.handle_link is not None:  # stated, without its kind
             handle = measure_handle(robot, joint, frames)
-        joints.append(
-            Joint(
-                name=joint.name,
-                type=joint.type,
-                part_type=joint.part_type,
-                parent=joint.parent,
-                link=joint.child,
-                axis=tuple(joint.axis.round(9).tolist()),
-                lower=round(joint.lower, 5),
-                upper=round(joint.upper, 5),
-                handle_link=joint.handle_link if handle else None,
-                handle=handle,
-                panel=front_panel(robot, joint, frames, low),
-            )
-        )
+        joints.append(Joint(
+            name=joint.name, type=joint.type, part_type=joint.part_type, parent=joint.parent, link=joint.child,
+            axis=tuple(joint.axis.round(9).tolist()), lower=round(joint.lower, 5), upper=round(joint.upper, 5),
+            handle_link=joint.handle_link if handle else None, handle=handle,
+            panel=front_panel(robot, joint, frames, low),
+        ))  # fmt: skip
     return joints
-
-
-def count_parts(joints: Iterable[Joint], part: PartType) -> int:
-    """How many of the joints have a part type."""
-    return sum(joint.part_type == part for joint in joints)
 
 
 @dataclass(frozen=True)
@@ -105,26 +89,13 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
     """Write the asset folder `out` of a model (z up, front towards +x); an old one is replaced."""
     low, high = measure_closed_box(robot).round(6) + 0.0
     joints = contract_joints(robot)
-    doors, drawers, buttons = (count_parts(joints, part) for part in PARTS)
+    doors, drawers, buttons = (sum(joint.part_type == part for joint in joints) for part in PARTS)
     with atomic_folder(out) as folder:
         write_urdf(robot, folder)
         asset = Asset(
-            id=about.id,
-            category=about.category,
-            box_min=tuple(low.tolist()),
-            box_max=tuple(high.tolist()),
-            mass=round(robot.mass, 4),
-            joints=joints,
-            doors=doors,
-            drawers=drawers,
-            buttons=buttons,
-            symmetry=about.symmetry,
-            placement=about.placement,
-            recipe=about.recipe,
-            licence=about.licence,
-            provenance=about.provenance,
-            checksum=checksum(folder),
-        )
+            **vars(about), box_min=tuple(low.tolist()), box_max=tuple(high.tolist()), mass=round(robot.mass, 4),
+            joints=joints, doors=doors, drawers=drawers, buttons=buttons, checksum=checksum(folder),
+        )  # fmt: skip
         (folder / "asset.json").write_text(as_json(asset), encoding="utf-8")  # the archive it goes into is synced
     return asset
 
@@ -135,9 +106,7 @@ def read_model(folder: Path) -> RobotModel:
     urdf = urdf_of(folder, asset)
     robot = read_urdf(urdf, folder)
     if robot.remarks:  # of what we wrote nothing is missing
-        raise InputError(
-            urdf, robot.remarks[0], "make the library again: snakemake --cores 2 library", code="E-ASSET-STALE"
-        )
+        raise InputError(urdf, robot.remarks[0], AGAIN, code="E-ASSET-STALE")
     robot = copy_part_types(robot, asset.joints)
     return replace(robot, touching=read_srdf(urdf.with_suffix(".srdf")))
 
@@ -152,16 +121,15 @@ def read_srdf(path: Path) -> tuple[tuple[str, str], ...]:
 
 def read_asset(folder: Path) -> Asset:
     """The `asset.json` of an asset folder."""
-    return read_json(Asset, Path(folder) / "asset.json", "make the library again: snakemake --cores 2 library")
+    return read_json(Asset, Path(folder) / "asset.json", AGAIN)
 
 
 def urdf_of(folder: Path, asset: Asset) -> Path:
     """The URDF of an asset, which lies in its folder."""
     path = Path(folder) / asset.urdf
     if not path.resolve().is_relative_to(Path(folder).resolve()):
-        raise InputError(
-            Path(folder) / "asset.json", f"urdf: '{asset.urdf}' lies outside the asset's folder.", code="E-FILE-OUTSIDE"
-        )
+        what = f"urdf: '{asset.urdf}' lies outside the asset's folder."
+        raise InputError(Path(folder) / "asset.json", what, code="E-FILE-OUTSIDE")
     return path
 
 

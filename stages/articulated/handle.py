@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel, Visual, visual_bounds
+from roomkin.stages.articulated.model import JointModel, Matrix, RobotModel, visual_bounds
 from roomkin.stages.contracts.library import FrontPanel, HandleKind
 from roomkin.stages.contracts.parts import HingeSide
 
@@ -125,13 +125,12 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
     if not corners:
         return None
     least, most = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
-    middle, size = (least + most) / 2, np.maximum(most - least, 1e-6)
-    return FrontPanel(
-        hinge=_hinge_side(joint, frames[joint.child], middle),
-        across=round(float(middle[1] - low[1]), 5),  # +y is on the right of someone who looks along -x
-        height=round(float(middle[2] - low[2]), 5),
-        size=(round(float(size[1]), 5), round(float(size[2]), 5)),
+    middle = (least + most) / 2  # +y is on the right of someone who looks along -x
+    across, height, width, tall = (
+        round(float(each), 5) for each in (*(middle - low)[1:], *np.maximum(most - least, 1e-6)[1:])
     )
+    side = _hinge_side(joint, frames[joint.child], middle)
+    return FrontPanel(hinge=side, across=across, height=height, size=(width, tall))
 
 
 def measure_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
@@ -170,7 +169,11 @@ def _find_handle(
 
 def merge_visuals(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
     """Visual meshes of some links as one mesh in the root frame; None: they have none."""
-    meshes = [_strip_material(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
+    meshes = [
+        trimesh.Trimesh(trimesh.transform_points(visual.mesh.vertices, frames[link]), visual.mesh.faces, process=False)
+        for link in links
+        for visual in robot.links[link].visuals
+    ]
     return trimesh.util.concatenate(meshes) if meshes else None  # type: ignore[return-value]
 
 
@@ -181,11 +184,6 @@ def list_moved_links(joint: JointModel, joints: Sequence[JointModel]) -> list[st
         if other.type == "fixed" and other.parent in links:
             links.append(other.child)
     return links
-
-
-def _strip_material(visual: Visual, frame: Matrix) -> trimesh.Trimesh:
-    """The mesh without its material, in the asset frame."""
-    return trimesh.Trimesh(trimesh.transform_points(visual.mesh.vertices, frame), visual.mesh.faces, process=False)
 
 
 def _hinge_side(joint: JointModel, frame: Matrix, middle: Matrix) -> HingeSide:

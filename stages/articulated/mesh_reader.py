@@ -55,7 +55,6 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
     `metadata["nodes"]` of each: the names of its node, of those above that, and its own.
 
     Args:
-        path: of the file.
         folder: no picture or material is read outside of it.
 
     Raises:

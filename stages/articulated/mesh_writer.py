@@ -43,12 +43,10 @@ class TriangleSurface(NamedTuple):
 
 def split_sharp_edges(visual: Visual) -> TriangleSurface:
     """The mesh with vertices split where edges are to look sharp."""
+    vertices, triangles = np.asarray(visual.mesh.vertices), np.asarray(visual.mesh.faces)
+    corners = vertices[triangles]
     if not visual.flat:
-        mesh = visual.mesh
-        return _smooth(np.asarray(mesh.vertices), np.asarray(mesh.faces))._replace(
-            uv=_uv(visual, mesh.vertices[mesh.faces])
-        )
-    corners = np.asarray(visual.mesh.vertices)[np.asarray(visual.mesh.faces)]
+        return _smooth(vertices, triangles)._replace(uv=_uv(visual, corners))
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
     faces = np.arange(3 * len(corners)).reshape(-1, 3)
@@ -93,16 +91,14 @@ def write_obj(path: Path, surfaces: list[TriangleSurface], texture: Texture | No
     text = _lines("v %g %g %g\n", np.concatenate([surface.vertices for surface in surfaces]).round(5) + 0.0)
     if texture is not None:
         text = f"mtllib {texture.name}.mtl\nusemtl {texture.name}\n{text}"
-        text += _lines(
-            "vt %g %g\n", np.concatenate([surface.uv for surface in surfaces if surface.uv is not None]).round(4)
-        )
+        text += _lines("vt %g %g\n", np.concatenate([each.uv for each in surfaces if each.uv is not None]).round(4))
     normals = [surface.normals for surface in surfaces if surface.normals is not None]
+    if normals:
+        text += _lines("vn %g %g %g\n", np.concatenate(normals).round(4) + 0.0)
     if texture is not None:
         corners = np.arange(1, 3 * len(faces) + 1).reshape(-1, 3)
-        text += _lines("vn %g %g %g\n", np.concatenate(normals).round(4) + 0.0)
         text += _lines("f %d/%d/%d %d/%d/%d %d/%d/%d\n", np.stack([faces, corners, faces], axis=2))
     elif normals:
-        text += _lines("vn %g %g %g\n", np.concatenate(normals).round(4) + 0.0)
         text += _lines("f %d//%d %d//%d %d//%d\n", faces.repeat(2, axis=1))
     else:
         text += _lines("f %d %d %d\n", faces)

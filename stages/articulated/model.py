@@ -157,10 +157,8 @@ def frames_of(root: str, joints: list[JointModel], opened: float = 0.0) -> dict[
 
 def list_collisions(robot: RobotModel) -> list[Trimesh]:
     """The convex pieces that collide, in the root frame, every joint closed."""
-    frames = link_frames(robot)
-    return [
-        piece.copy().apply_transform(frames[link.name]) for link in robot.links.values() for piece in link.collisions
-    ]
+    frames, links = link_frames(robot), robot.links.values()
+    return [transform_mesh(piece, frames[link.name]) for link in links for piece in link.collisions]
 
 
 def visual_bounds(visuals: list[Visual], frame: Matrix) -> Matrix | None:

@@ -3,6 +3,7 @@
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -65,8 +66,8 @@ class UrdfReader:
         pieces = [
             piece
             for collision, shape in zip(collisions, shapes, strict=True)
-            for visual in shape
-            for piece in ([visual.mesh] if _is_primitive(collision) else convex_pieces(visual.mesh))
+            for visual in shape  # a box, sphere, cylinder or capsule is convex as it is
+            for piece in (convex_pieces(visual.mesh) if collision.find("geometry/mesh") is not None else [visual.mesh])
         ]
         if not any(shapes):
             pieces = [piece for visual in visuals for piece in convex_pieces(visual.mesh)]
@@ -129,9 +130,8 @@ class UrdfReader:
             one = len(kind.get("scale", "").split()) == 1  # for all axes, as Drake and PyBullet take it
             scale = self.tree.numbers(kind, "scale", "1" if one else "1 1 1", 1 if one else 3, where) * np.ones(3)
             if (scale == 0).any():
-                raise InputError(
-                    self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.', code="E-URDF-NUMBER"
-                )
+                what = f'{where}: scale="{kind.get("scale")}" flattens the mesh.'
+                raise InputError(self.path, what, code="E-URDF-NUMBER")
             file = self._mesh_file(kind.get("filename", ""), where)
             meshes, lost = load_meshes(file, self.folder)
             if (up := find_reader(file).up(file)) not in ("", "Z_UP"):
@@ -157,9 +157,8 @@ class UrdfReader:
         if material is None:
             return None
         if (texture := material.find("texture")) is not None:
-            self.remarks.append(
-                f"{where}: is shown without '{texture.get('filename', '')}', which its mesh does not name"
-            )
+            name = texture.get("filename", "")
+            self.remarks.append(f"{where}: is shown without '{name}', which its mesh does not name")
         found = material.find("color")
         found = self.tree.colors.get(material.get("name", "")) if found is None else found
         if found is None:
@@ -213,15 +212,7 @@ class UrdfReader:
         """The mesh file that a URDF names, inside the folder."""
         plain = re.sub(r"^\$\(find ([^)]*)\)", r"\1", name.replace("\\", "/"))
         plain = plain.removeprefix("package://").removeprefix("file://").lstrip("/")
-        try:
-            found = find_inside(plain, self.path.parent, self.folder)
-        except OutsideError:
-            found = None
-        if found is None:
-            raise explain_missing(self.path, f"{where}: there is no mesh", plain, self.path.parent, self.folder)
-        return found
-
-
-def _is_primitive(shape: ET.Element) -> bool:
-    """Whether a <visual> or <collision> is a box, sphere, cylinder or capsule: convex as it is."""
-    return shape.find("geometry/mesh") is None
+        with suppress(OutsideError):
+            if found := find_inside(plain, self.path.parent, self.folder):
+                return found
+        raise explain_missing(self.path, f"{where}: there is no mesh", plain, self.path.parent, self.folder)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from roomkin.stages.articulated.model import JointModel, Matrix
+from roomkin.stages.articulated.model import JointModel, JointType, Matrix
 from roomkin.stages.contracts.errors import InputError, explain
 from roomkin.stages.contracts.files import decode_file
 from roomkin.stages.contracts.types import RIGID_TOLERANCE
@@ -32,6 +32,7 @@ READ = {
     "visual": {"origin", "geometry", "material"},
     "collision": {"origin", "geometry", "material", "contact_coefficients", "verbose"},
 }
+ONE_TREE = "one root, and one parent joint for each other link"
 LOOSE = ("continuous", "floating", "planar")  # types of joints that are fixed
 
 
@@ -94,17 +95,15 @@ class UrdfTree:
         except OSError as error:
             raise InputError(self.path, f"cannot be read ({explain(error)}).", code="E-XML-BROKEN") from None
         if "<!DOCTYPE" in text:  # entities: files of this machine, or more text than its memory holds
-            raise InputError(
-                self.path, "declares a DOCTYPE, which a URDF does not need.", "remove it", code="E-XML-DOCTYPE"
-            )
+            what = "declares a DOCTYPE, which a URDF does not need."
+            raise InputError(self.path, what, "remove it", code="E-XML-DOCTYPE")
         try:
             robot = ET.fromstring(text)
         except (ET.ParseError, ValueError) as error:
             raise InputError(self.path, f"is not XML: {error}.", code="E-XML-BROKEN") from None
         if robot.tag != "robot":
-            raise InputError(
-                self.path, f"has <{robot.tag[:40]}> at the top.", "a URDF starts with <robot>", code="E-URDF-ELEMENT"
-            )
+            what = f"has <{robot.tag[:40]}> at the top."
+            raise InputError(self.path, what, "a URDF starts with <robot>", code="E-URDF-ELEMENT")
         tags = [element.tag for element in robot.iter()]
         if macros := sorted({tag.replace("_", ":", 1) for tag in tags if tag.startswith("xacro_")}):
             mend = "xacro FILE > model.urdf, and give that"
@@ -121,12 +120,8 @@ class UrdfTree:
             if not name.strip():
                 raise InputError(self.path, f"a <{tag}> has no name.", code="E-URDF-ELEMENT")
             if count > 1:
-                raise InputError(
-                    self.path,
-                    f"has {count} {tag}s called '{name}'.",
-                    "a name of its own for each",
-                    code="E-URDF-ELEMENT",
-                )
+                what = f"has {count} {tag}s called '{name}'."
+                raise InputError(self.path, what, "a name of its own for each", code="E-URDF-ELEMENT")
         return dict(zip(names, elements, strict=True))
 
     @cached_property
@@ -150,22 +145,16 @@ class UrdfTree:
         if len(values) != count or not np.isfinite(values).all():
             raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not {count} number(s).', code="E-URDF-NUMBER")
         if (values < low).any() or (values > MAX_NUMBER).any():
-            raise InputError(
-                self.path,
-                f'{where}: {key}="{text[:60]}" is not within {low:g} and {MAX_NUMBER:g}.',
-                code="E-URDF-NUMBER",
-            )
+            what = f'{where}: {key}="{text[:60]}" is not within {low:g} and {MAX_NUMBER:g}.'
+            raise InputError(self.path, what, code="E-URDF-NUMBER")
         return values
 
     def positive(self, element: ET.Element | None, key: str, count: int, where: str) -> Matrix:
         """`numbers` above zero, which must be given."""
         values = self.numbers(element, key, "", count, where)
         if (values <= 0).any():
-            raise InputError(
-                self.path,
-                f'{where}: {key}="{" ".join(f"{v:g}" for v in values)}" must be positive.',
-                code="E-URDF-NUMBER",
-            )
+            what = f'{where}: {key}="{" ".join(f"{v:g}" for v in values)}" must be positive.'
+            raise InputError(self.path, what, code="E-URDF-NUMBER")
         return values
 
     def origin(self, element: ET.Element, where: str) -> Matrix:
@@ -198,11 +187,8 @@ class UrdfTree:
         ratio, offset = (
             float(self.numbers(mimic, key, usual, 1, where)[0]) for key, usual in (("multiplier", "1"), ("offset", "0"))
         )
-        if (
-            leader is None
-            or (leader.type, leader.parent) != (kind, joint.parent)
-            or abs(abs(ratio) - 1) > RIGID_TOLERANCE
-        ):
+        alike = leader is not None and (leader.type, leader.parent) == (kind, joint.parent)
+        if leader is None or not alike or abs(abs(ratio) - 1) > RIGID_TOLERANCE:
             how = f"follows {ratio:g} times '{mimic.get('joint', '')}': only a pair on one body that moves alike can"
             self.remarks.append(f"fixed: '{joint.name}', which {how}")
             return joint
@@ -230,18 +216,14 @@ class UrdfTree:
         widest = max(abs(lower), abs(upper))
         if kind == "revolute" and widest > WIDEST_ANGLE:
             if widest > 360:
-                raise InputError(
-                    self.path,
-                    f"{where}: limits {lower:g} and {upper:g} are more than two full turns.",
-                    code="E-URDF-JOINT",
-                )
+                what = f"{where}: limits {lower:g} and {upper:g} are more than two full turns."
+                raise InputError(self.path, what, code="E-URDF-JOINT")
             self.remarks.append(f"{where}: limits {lower:g} and {upper:g}, taken for degrees")
             lower, upper = np.deg2rad([lower, upper]).tolist()
         if upper - lower < THIN:
             raise InputError(self.path, f"{where}: has no range ({lower:g} to {upper:g}).", code="E-URDF-JOINT")
-        moving = replace(
-            fixed, type="revolute" if kind == "revolute" else "prismatic", lower=lower, upper=upper, axis=axis
-        )
+        type_: JointType = "revolute" if kind == "revolute" else "prismatic"
+        moving = replace(fixed, type=type_, lower=lower, upper=upper, axis=axis)
         sprung = self.numbers(element.find("dynamics"), "stiffness", "0", 1, where)[0] > 0  # as our writer says it
         return replace(moving, part_type="button") if sprung and kind == "prismatic" else moving
 
@@ -263,8 +245,8 @@ class UrdfTree:
         roots = [name for name in self.links if name not in moved_by]
         if len(roots) != 1:
             what = f"the links do not form one tree: {len(roots)} have no parent ({', '.join(roots[:3]) or 'a cycle'})."
-            raise InputError(self.path, what, "one root, and one parent joint for each other link", code="E-URDF-TREE")
-        placed, ordered, waiting = {roots[0]}, [], joints
+            raise InputError(self.path, what, ONE_TREE, code="E-URDF-TREE")
+        placed, ordered, waiting = {roots[0]}, list[JointModel](), joints
         while waiting:
             later = []
             for joint in waiting:
@@ -275,8 +257,6 @@ class UrdfTree:
                     later.append(joint)
             if len(later) == len(waiting):
                 what = f"joint '{waiting[0].name}' is part of a cycle: the links do not form one tree."
-                raise InputError(
-                    self.path, what, "one root, and one parent joint for each other link", code="E-URDF-TREE"
-                )
+                raise InputError(self.path, what, ONE_TREE, code="E-URDF-TREE")
             waiting = later
         return roots[0], ordered

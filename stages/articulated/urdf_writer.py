@@ -16,14 +16,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from roomkin.stages.articulated.mesh_writer import (
-    TriangleSurface,
-    is_box,
-    split_sharp_edges,
-    write_glb,
-    write_obj,
-    write_texture,
-)
+from roomkin.stages.articulated import mesh_writer
 from roomkin.stages.articulated.model import JointModel, Link, Matrix, RobotModel
 from roomkin.stages.contracts.parts import PARTS
 from roomkin.stages.geometry.frames import ROUNDING, make_transform
@@ -43,40 +36,34 @@ def write_urdf(robot: RobotModel, folder: Path) -> Path:
         _add_link(root, folder, link, stem)
         if link.name in joint_of:
             _add_joint(root, joint_of[link.name], moving)
-    ET.indent(root)
-    (folder / "model.urdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
-    if robot.touching:
-        write_srdf(robot, folder)
+    _write_xml(root, folder / "model.urdf")
+    if robot.touching:  # by which SAPIEN lets links that touch when closed pass through each other
+        root = ET.Element("robot", name=robot.name)
+        for one, other in robot.touching:
+            ET.SubElement(root, "disable_collisions", link1=one, link2=other, reason="Default")
+        _write_xml(root, folder / "model.srdf")
     return folder
+
+
+def _write_xml(root: ET.Element, path: Path) -> None:
+    ET.indent(root)
+    path.write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
 
 
 def as_written(robot: RobotModel) -> RobotModel:
     """The model with what collides, and the origins of its joints, to the digits that its files have."""
-    links = {
-        name: replace(link, collisions=list(map(_round_piece, link.collisions))) for name, link in robot.links.items()
-    }
-    joints = [
-        replace(joint, origin=make_transform(joint.origin[:3, :3], joint.origin[:3, 3].round(5)))
-        for joint in robot.joints
-    ]
+    rounded = {name: list(map(_round_piece, link.collisions)) for name, link in robot.links.items()}
+    links = {name: replace(link, collisions=rounded[name]) for name, link in robot.links.items()}
+    frames = [make_transform(joint.origin[:3, :3], joint.origin[:3, 3].round(5)) for joint in robot.joints]
+    joints = [replace(joint, origin=frame) for joint, frame in zip(robot.joints, frames, strict=True)]
     return replace(robot, links=links, joints=joints)
 
 
 def _round_piece(piece: Trimesh) -> Trimesh:
-    if not is_box(piece):
+    if not mesh_writer.is_box(piece):
         return Trimesh(piece.vertices.round(5), piece.faces, process=False)
-    return trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5)).apply_translation(
-        piece.bounds.mean(axis=0).round(5)
-    )
-
-
-def write_srdf(robot: RobotModel, folder: Path) -> None:
-    """Write model.srdf, by which SAPIEN lets links that touch when closed pass through each other."""
-    root = ET.Element("robot", name=robot.name)
-    for one, other in robot.touching:
-        ET.SubElement(root, "disable_collisions", link1=one, link2=other, reason="Default")
-    ET.indent(root)
-    (folder / "model.srdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
+    box = trimesh.creation.box(np.maximum(piece.extents, 1e-5).round(5))
+    return box.apply_translation(piece.bounds.mean(axis=0).round(5))
 
 
 def _file_stems(links: list[str]) -> list[str]:
@@ -97,12 +84,12 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
     _add_visuals(element, folder, link, stem)
     for number, piece in enumerate(link.collisions):
         collision = ET.SubElement(element, "collision")
-        if is_box(piece):
+        if mesh_writer.is_box(piece):
             ET.SubElement(collision, "origin", xyz=numbers(piece.bounds.mean(axis=0)), rpy="0 0 0")
             ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=numbers(np.maximum(piece.extents, 1e-5)))
         else:
             file = f"meshes/{stem}_hull_{number}.obj"
-            write_obj(folder / file, [TriangleSurface(piece.vertices, piece.faces)])
+            mesh_writer.write_obj(folder / file, [mesh_writer.TriangleSurface(piece.vertices, piece.faces)])
             _add_mesh(collision, file)
 
 
@@ -113,14 +100,14 @@ def _add_visuals(element: ET.Element, folder: Path, link: Link, stem: str) -> No
         shown = ET.SubElement(element, "visual", name=name)
         _add_mesh(shown, f"meshes/{name}.obj")
         alike = [visual for visual in link.visuals if (visual.color, visual.texture) == (color, texture)]
-        write_obj(folder / f"meshes/{name}.obj", list(map(split_sharp_edges, alike)), texture)
+        mesh_writer.write_obj(folder / f"meshes/{name}.obj", list(map(mesh_writer.split_sharp_edges, alike)), texture)
         if texture is None:
             ET.SubElement(ET.SubElement(shown, "material", name=name), "color", rgba=numbers(color or ()))
         else:
-            write_texture(folder / "meshes", texture)
+            mesh_writer.write_texture(folder / "meshes", texture)
     own: list[Trimesh] = [visual.mesh for visual in link.visuals if visual.color is None]
     if own:
-        write_glb(folder / f"meshes/{stem}.glb", own)
+        mesh_writer.write_glb(folder / f"meshes/{stem}.glb", own)
         _add_mesh(ET.SubElement(element, "visual", name=stem), f"meshes/{stem}.glb")
 
 
@@ -133,9 +120,8 @@ def _add_joint(root: ET.Element, joint: JointModel, moving: set[str]) -> None:
     element = ET.SubElement(root, "joint", name=joint.name, type=joint.type)
     ET.SubElement(element, "parent", link=joint.parent)
     ET.SubElement(element, "child", link=joint.child)
-    ET.SubElement(
-        element, "origin", xyz=numbers(joint.origin[:3, 3]), rpy=_format_values(_roll_pitch_yaw(joint.origin))
-    )
+    turn = _format_values(_roll_pitch_yaw(joint.origin))
+    ET.SubElement(element, "origin", xyz=numbers(joint.origin[:3, 3]), rpy=turn)
     if joint.type == "fixed":
         return
     ET.SubElement(element, "axis", xyz=_format_values(joint.axis))

@@ -33,9 +33,8 @@ def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> 
         raise InputError("assets.folders", f"none of the models can be used. {left_out[0]}", code="E-MODELS-UNUSABLE")
     entries = sorted([*chain(*(parts[path].assets for path in library)), *mine], key=lambda entry: entry.id)
     if not entries:
-        raise InputError(
-            "assets", "the library would be empty.", "set assets.counts or assets.folders", code="E-LIBRARY-EMPTY"
-        )
+        fix = "set assets.counts or assets.folders"
+        raise InputError("assets", "the library would be empty.", fix, code="E-LIBRARY-EMPTY")
     names = [entry.id for entry in entries]
     if double := next((name for name in names if names.count(name) > 1), None):
         raise InputError("assets.folders", f"two models are called '{double}'.", "rename one", code="E-MODEL-NAME")

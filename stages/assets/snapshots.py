@@ -43,13 +43,10 @@ def run(*, library: Path, out: Path, options: str = "{}") -> None:
             for index, asset in enumerate(progress(folders, "assets", len(folders))):
                 rgb[index], depth[index] = turntable.photograph(folders[asset], [*yaws, config.representative_yaw])
         sidecar = SnapshotShard(
-            assets=list(folders),
-            yaws=yaws,
-            representative_yaw=config.representative_yaw,
-            image_size=side,
+            assets=list(folders), yaws=yaws, representative_yaw=config.representative_yaw, image_size=side,
             intrinsics=turntable.intrinsics.tolist(),
             elevation=math.atan2(config.camera_height, config.camera_distance),
-        )
+        )  # fmt: skip
         write_json(out.with_suffix(".json"), sidecar)
 
 
@@ -105,12 +102,8 @@ class VisibilityCheck:
         self.turntable = self.turntable or Turntable(options)
         _, depth = self.turntable.photograph(folder, [options.representative_yaw])
         if not depth.any():
-            raise InputError(
-                where,
-                "cannot be seen: it is transparent, or too thin.",
-                "make it opaque and thicker",
-                code="E-MODEL-UNSEEN",
-            )
+            what = "cannot be seen: it is transparent, or too thin."
+            raise InputError(where, what, "make it opaque and thicker", code="E-MODEL-UNSEEN")
 
 
 def check_box(asset: Asset, seen: NDArray[np.float64]) -> None:

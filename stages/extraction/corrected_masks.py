@@ -22,12 +22,8 @@ def list_found(annotations: Annotations) -> dict[int, Correction]:
     """Objects, floor and walls of an input folder as corrections, by mask value."""
     rooms = [(value, FLOOR) for value in [annotations.floor] if value is not None]
     rooms += [(value, WALL) for value in annotations.walls]
-    things = [
-        Correction(
-            **item.model_dump(include={"mask", "label", "articulated", "doors", "drawers", "panels", "mounting"})
-        )
-        for item in annotations.objects
-    ]
+    kept = {"mask", "label", "articulated", "doors", "drawers", "panels", "mounting"}
+    things = [Correction(**item.model_dump(include=kept)) for item in annotations.objects]
     return {item.mask: item for item in [*things, *(Correction(mask=value, label=label) for value, label in rooms)]}
 
 
@@ -74,7 +70,6 @@ class Cutter:
         high = round((x1 - left) * zoom[0]), round((y1 - top) * zoom[1])
         kinds = np.full(small.shape[:2], cv2.GC_BGD, dtype=np.uint8)
         kinds[low[1] : high[1], low[0] : high[0]] = cv2.GC_PR_FGD
-        box = np.s_[y0:y1, x0:x1]
         if (kinds == cv2.GC_BGD).any() and (kinds == cv2.GC_PR_FGD).any():
             cv2.setRNGSeed(0)
             background, foreground = np.zeros((1, 65)), np.zeros((1, 65))
@@ -82,8 +77,8 @@ class Cutter:
         seen = ((kinds == cv2.GC_FGD) | (kinds == cv2.GC_PR_FGD)).astype(np.uint8)
         whole = cv2.resize(seen, part.shape[1::-1], interpolation=cv2.INTER_NEAREST) > 0
         mask[top : top + part.shape[0], left : left + part.shape[1]] = whole
-        if not mask[box].any():
-            mask[box] = True
+        if not mask[y0:y1, x0:x1].any():
+            mask[y0:y1, x0:x1] = True
         return mask
 
 
@@ -157,21 +152,11 @@ def correct_masks(
             held = None
         doors, drawers = item.doors or 0, item.drawers or 0
         before = None if item.is_drawn else known.get(item.mask)
-        objects.append(
-            Annotation(
-                mask=item.mask,
-                label=item.label or "object",
-                articulated=is_opening(item, known.get(item.mask)) or doors + drawers > 0,
-                doors=doors,
-                drawers=drawers,
-                panels=item.panels or [],
-                mounting=held,
-                box=before.box if before else None,
-                guessed=bool(before and before.guessed),
-                front=before.front if before else None,
-                **(keep_names(item, before) if before else {}),
-            )
-        )
+        objects.append(Annotation(
+            mask=item.mask, label=item.label or "object", doors=doors, drawers=drawers, panels=item.panels or [],
+            articulated=is_opening(item, known.get(item.mask)) or doors + drawers > 0, mounting=held,
+            **(keep_known(item, before) if before else {}),
+        ))  # fmt: skip
     if not objects:
         return None, masks, notes
     return Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls), masks, notes
@@ -185,12 +170,13 @@ def is_opening(item: Correction, found: Annotation | None) -> bool:
     return bool(item.articulated)
 
 
-def keep_names(item: Correction, before: Annotation) -> dict[str, Any]:
-    """The names that were proposed for it, and their doubts, as far as they still count: none, if a person names it."""
+def keep_known(item: Correction, before: Annotation) -> dict[str, Any]:
+    """Its stated box and front; the names that were proposed for it, and their doubts, unless a person names it."""
+    known = before.model_dump(include={"box", "guessed", "front"})
     if item.named or item.label != before.label:
-        return {}
+        return known
     doubts = [one for one in before.doubts if one.cause == "name"]
-    return {"proposals": before.proposals, "probabilities": before.probabilities, "doubts": doubts}
+    return known | {"proposals": before.proposals, "probabilities": before.probabilities, "doubts": doubts}
 
 
 def find_corners(mask: NDArray[np.bool_]) -> tuple[Pixel, Pixel] | None:

@@ -12,20 +12,11 @@ from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.contracts.images import DEPTH_UNITS, check_turned
 from roomkin.stages.contracts.objects import SceneObject, Wall
 from roomkin.stages.extraction.noise import AnnotatedImage
+from roomkin.stages.geometry import room_planes
 from roomkin.stages.geometry.frames import Array, PointMap
 from roomkin.stages.geometry.levels import find_floor
 from roomkin.stages.geometry.masks import erode
-from roomkin.stages.geometry.room_planes import (
-    PLANE_THRESHOLD,
-    SAME_DIRECTION,
-    Plane,
-    find_up,
-    find_walls,
-    fit_floor,
-    fit_wall,
-    make_floor_frame,
-    merge_walls,
-)
+from roomkin.stages.geometry.room_planes import SAME_DIRECTION, Plane
 
 LOWEST, HIGHEST = DoubtKind.CAMERA_HEIGHT.bounds
 # What makes a camera seem higher, or lower, than it is, and by what its height is to be multiplied then.
@@ -88,9 +79,8 @@ def check_smooth(depth: NDArray[np.floating]) -> None:
     steps = np.abs(np.diff(depth, axis=1))[known] / depth[:, 1:][known]
     if len(steps) and (rough := float(np.median(steps))) > ROUGH:
         what = f"is noise: neighbouring pixels differ by {100 * rough:.0f} % in the median."
-        raise InputError(
-            "depth.npz", what, "give depth of this picture, unpacked as its camera says", code="E-DEPTH-NOISE"
-        )
+        fix = "give depth of this picture, unpacked as its camera says"
+        raise InputError("depth.npz", what, fix, code="E-DEPTH-NOISE")
 
 
 def find_floor_frame(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng: np.random.Generator) -> Array:
@@ -109,11 +99,11 @@ def find_floor_frame(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng
     frame = image.floor_from_camera
     # A given frame draws numbers of its own: what is drawn later does not depend on it.
     floor = fit_shown_floor(image, seen, max_tilt, rng if frame is None else np.random.default_rng(0))
-    up = floor.normal if floor else find_up(seen.points, seen.known, max_tilt)
+    up = floor.normal if floor else room_planes.find_up(seen.points, seen.known, max_tilt)
     if frame is not None:
         check_frame(frame, floor, up)
     else:
-        frame = make_floor_frame(floor or find_unnamed_floor(image, seen, up, max_tilt))
+        frame = room_planes.make_floor_frame(floor or find_unnamed_floor(image, seen, up, max_tilt))
         if image.annotations.floor is None:
             what = "level surface that most objects stand on" if image.annotations.objects else "lowest level surface"
             print(f"no mask of the floor: taken to be the {what}, {frame[2, 3]:.2f} m below the camera")
@@ -149,7 +139,7 @@ def fit_shown_floor(image: AnnotatedImage, seen: PointMap, max_tilt: float, rng:
     """The floor by its mask; None if there is none, or it is above the camera."""
     if image.annotations.floor is None:
         return None
-    floor = fit_floor(seen.of(image.masks == image.annotations.floor), max_tilt, rng)
+    floor = room_planes.fit_floor(seen.of(image.masks == image.annotations.floor), max_tilt, rng)
     return floor if floor is not None and floor.offset < 0 else None
 
 
@@ -183,13 +173,13 @@ def find_room_walls(
     others &= image.masks != image.annotations.floor
     for value in image.annotations.walls:
         mask = erode(seen.known & (image.masks == value))
-        plane = fit_wall(seen.of(mask), camera_height, rng)
+        plane = room_planes.fit_wall(seen.of(mask), camera_height, rng)
         if plane is not None:
             planes.append(plane)
             shown.append(value)
-            others &= ~(seen.points @ plane.normal - plane.offset < 3 * PLANE_THRESHOLD)
-    planes += find_walls(seen.of(seen.known), others[seen.known], camera_height, rng.spawn(1)[0])
-    merged, places = merge_walls(planes)
+            others &= ~(seen.points @ plane.normal - plane.offset < 3 * room_planes.PLANE_THRESHOLD)
+    planes += room_planes.find_walls(seen.of(seen.known), others[seen.known], camera_height, rng.spawn(1)[0])
+    merged, places = room_planes.merge_walls(planes)
     walls = [
         Wall(id=f"wall_{k}", normal=(float(normal[0]), float(normal[1]), 0.0), offset=float(offset), points=count)
         for k, (normal, offset, count) in enumerate(merged, start=1)

@@ -95,9 +95,7 @@ def find_carrier(
     """Top of the highest carrier below a box and its id, or that of the floor.
 
     Args:
-        box: of the object.
-        carriers: boxes by id.
-        tolerance: gap in metres that counts as touching.
+        carriers: boxes by id; `tolerance`: gap in metres that counts as touching.
         sunk: an object that reaches so many metres, and half of its height, below a carrier's top lies in the
         carrier, not on it; its bottom is that of its own box.
         share: least share of the box's footprint that lies over the carrier's, or within touching distance of it.

@@ -76,21 +76,13 @@ def reconstruct(
         clean[one.mask] = one.object.mask
     try:
         objects = Objects(
-            scene=scene,
-            width=width,
-            height=height,
-            intrinsics=image.intrinsics.tolist(),
-            floor_from_camera=view.frame.tolist(),
-            crop=options.crop,
-            depth_error=error,
-            walls=walls,
+            scene=scene, width=width, height=height, intrinsics=image.intrinsics.tolist(),
+            floor_from_camera=view.frame.tolist(), crop=options.crop, depth_error=error, walls=walls,
             objects=[one.object for one in found],
-        )
+        )  # fmt: skip
     except ValidationError as fault:
-        what = f"gives an impossible room: {first_error(fault)}."
-        raise InputError(
-            "depth.npz", what, "check depth (metres), intrinsics and masks", code="E-ROOM-BROKEN"
-        ) from None
+        what, fix = f"gives an impossible room: {first_error(fault)}.", "check depth (metres), intrinsics and masks"
+        raise InputError("depth.npz", what, fix, code="E-ROOM-BROKEN") from None
     clouds = {one.object.id: one.cloud.astype(np.float32) for one in placed}
     return ExtractedScene(objects, clean, image.depth, clouds, {one.object.id: one.heights[0] for one in placed})
 

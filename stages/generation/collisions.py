@@ -107,10 +107,8 @@ class _Scene:
         if name not in self.reaches:
             prisms, center = self.shapes(name), self.items[name].center
             far = [float(np.linalg.norm(prism.outline - center[:2], axis=1).max()) for prism in prisms]
-            low, high = (
-                min((prism.low for prism in prisms), default=0),
-                max((prism.high for prism in prisms), default=0),
-            )
+            low = min((prism.low for prism in prisms), default=0)
+            high = max((prism.high for prism in prisms), default=0)
             self.reaches[name] = _Reach(max(far, default=-np.inf), low - center[2], high - center[2])
         return self.reaches[name]
 
@@ -168,13 +166,9 @@ def _push_once(scene: _Scene) -> _Scene | None:
 
 def overlapping_pairs(scene: _Scene) -> list[Pair]:
     """Pairs of items whose collision shapes overlap by more than `touch`; what stands on a seat may be in the back."""
-    pairs = []
-    for a, b in combinations(sorted(scene.items), 2):
-        if (a, b) in scene.nested:
-            continue
-        if scene.are_near(a, b, 0.0) and scene.forbidden(a, b).overlaps.contains(Point(0, 0)):
-            pairs.append((a, b))
-    return pairs
+    near = (pair for pair in combinations(sorted(scene.items), 2) if scene.are_near(*pair, 0.0))
+    here = Point(0, 0)
+    return [pair for pair in near if pair not in scene.nested and scene.forbidden(*pair).overlaps.contains(here)]
 
 
 def forbidden_shifts(mover: list[Prism], others: list[Prism], touch: float) -> BaseGeometry:
@@ -185,10 +179,8 @@ def forbidden_shifts(mover: list[Prism], others: list[Prism], touch: float) -> B
     polygon's border, for all pieces at once.
     """
     regions = []
-    for a in mover:
-        for b in others:
-            if min(a.high, b.high) - max(a.low, b.low) <= touch:
-                continue
+    for a, b in product(mover, others):
+        if min(a.high, b.high) - max(a.low, b.low) > touch:
             differences = (b.outline[None] - a.outline[:, None]).reshape(-1, 2)
             regions.append(MultiPoint(differences).convex_hull.buffer(-touch, join_style="mitre"))
     return shapely.union_all(regions)

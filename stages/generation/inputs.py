@@ -96,18 +96,13 @@ def read_inputs(
     found = []
     for item in extracted.objects:
         entry = by_id.get(item.id)
-        found.append(
-            MatchedObject(
-                object=item,
-                cousins=_turn(item, extracted, entry.cousins) if entry else [],
-                distances={match.category: match.distance for match in entry.categories} if entry else {},
-                cloud=clouds.get(item.id, np.empty((0, 3), np.float32)),
-                outline=outlines.get(item.id),
-                correction=corrected.get(item.mask, Correction(mask=item.mask)),
-                failed=_find_failure(item, entry, item.id in clouds),
-                color=colors.get(item.id),
-            )
-        )
+        found.append(MatchedObject(
+            object=item, cousins=_turn(item, extracted, entry.cousins) if entry else [],
+            distances={match.category: match.distance for match in entry.categories} if entry else {},
+            cloud=clouds.get(item.id, np.empty((0, 3), np.float32)), outline=outlines.get(item.id),
+            correction=corrected.get(item.mask, Correction(mask=item.mask)),
+            failed=_find_failure(item, entry, item.id in clouds), color=colors.get(item.id),
+        ))  # fmt: skip
     folders = AssetFolders(library)
     return Inputs(extracted, _sort_leaders_first(found), folders, folders.categories)
 
@@ -137,11 +132,10 @@ def _turn(item: SceneObject, scene: Objects, cousins: list[Cousin]) -> list[Cous
     if item.front is None or item.box is None:
         return best_first
     psi = view_angle(np.array(scene.floor_from_camera)[:3, 3], item.box.center, item.front)
+    turns = [cousin.orientation.model_copy(update={"yaw": psi}) for cousin in best_first]
     return [
-        cousin.model_copy(
-            update={"orientation": cousin.orientation.model_copy(update={"yaw": psi}), "orientations": []}
-        )
-        for cousin in best_first
+        cousin.model_copy(update={"orientation": turn, "orientations": []})
+        for cousin, turn in zip(best_first, turns, strict=True)
     ]
 
 

@@ -24,11 +24,10 @@ from roomkin.stages.contracts.doubt import Doubt
 from roomkin.stages.contracts.generated import GAMMA
 from roomkin.stages.contracts.library import Finish
 from roomkin.stages.contracts.objects import Mounting, Objects
+from roomkin.stages.contracts.types import FLOOR, UNNAMED
 from roomkin.stages.geometry.boxes import UprightBox
 from roomkin.stages.geometry.frames import make_transform, wrap_angle, yaw_matrix
 from roomkin.stages.geometry.masks import MIN_PIXELS
-
-FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 
 
 class Prism(NamedTuple):
@@ -84,16 +83,6 @@ class Placed:
         return self.box.size
 
     @property
-    def bottom(self) -> float:
-        """Height of the lower face."""
-        return self.box.bottom
-
-    @property
-    def top(self) -> float:
-        """Height of the upper face."""
-        return self.box.top
-
-    @property
     def wall_mounted(self) -> bool:
         """Whether it hangs on a wall (A.2, type 1)."""
         return self.mounting.hangs
@@ -129,15 +118,11 @@ class Placed:
         """The prisms where it stands, in the floor frame."""
         middle, turn = self.middle, yaw_matrix(self.box.yaw)
         rise = self.center[2] - middle[2]
-        return [
-            Prism(
-                (prism.outline - middle[:2]) @ turn[:2, :2].T + self.center[:2],
-                prism.low + rise,
-                prism.high + rise,
-                (prism.vertices - middle) @ turn.T + self.center,
-            )
-            for prism in self.prisms
-        ]
+        found = []
+        for outline, low, high, vertices in self.prisms:
+            plan = (outline - middle[:2]) @ turn[:2, :2].T + self.center[:2]
+            found.append(Prism(plan, low + rise, high + rise, (vertices - middle) @ turn.T + self.center))
+        return found
 
     def shift(self, offset: ArrayLike) -> "Placed":
         """The item moved by `offset` (3,), metres."""

@@ -11,8 +11,9 @@ from roomkin.stages.contracts.cousins import Cousin
 from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.objects import Mounting
+from roomkin.stages.contracts.types import FLOOR
 from roomkin.stages.generation.inputs import Inputs, MatchedObject
-from roomkin.stages.generation.placed import FLOOR, Placed, paint, resize
+from roomkin.stages.generation.placed import Placed, paint, resize
 from roomkin.stages.generation.sizing import size
 from roomkin.stages.generation.turning import PLACE_TOLERANCE, find_yaw, fit_stated_box, move_out_of_walls
 from roomkin.stages.geometry.boxes import THINNEST, UprightBox
@@ -132,10 +133,8 @@ def take_stated(asset: str, one: MatchedObject, places: Places, why: str) -> Pla
 
 def find_synonyms(distances: Mapping[str, float], category: str) -> set[str]:
     """The categories as near to a label as a given one, which is among them; `distances`: from the label to each."""
-    return {
-        category,
-        *(name for name, far in distances.items() if far <= distances.get(category, -np.inf) + SAME_MEANING),
-    }
+    limit = distances.get(category, -np.inf) + SAME_MEANING
+    return {category, *(name for name, far in distances.items() if far <= limit)}
 
 
 def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, categories: Collection[str]) -> Placed:

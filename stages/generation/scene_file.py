@@ -20,8 +20,9 @@ from roomkin.stages.contracts.doubt import Doubt, DoubtKind, sort_by_chance
 from roomkin.stages.contracts.errors import ObjectError
 from roomkin.stages.contracts.generated import ROOM_LIGHT, Look, PlacedObject, measure_place_sureness, measure_sureness
 from roomkin.stages.contracts.objects import Mounting, SceneObject, Wall
+from roomkin.stages.contracts.types import UNNAMED
 from roomkin.stages.generation.inputs import Inputs
-from roomkin.stages.generation.placed import UNNAMED, Placed
+from roomkin.stages.generation.placed import Placed
 from roomkin.stages.generation.settling import Settled
 from roomkin.stages.geometry.boxes import UprightBox, depth_behind, is_behind
 from roomkin.stages.geometry.frames import round_vector, transform_points
@@ -78,8 +79,7 @@ class ExportedScene:
 def room_of(generated: GeneratedScene, items: list[Placed], look: Look | None) -> ExportedScene:
     """A scene with the models of its items, which are at their sizes."""
     bodies = [
-        Body(item.id, item.label, item.asset, item.folder, read_model(item.folder), item.pose, item.held)
-        for item in items
+        Body(one.id, one.label, one.asset, one.folder, read_model(one.folder), one.pose, one.held) for one in items
     ]
     camera = np.array(generated.floor_from_camera)[:3, 3]
     blocks = make_backdrop([item.box for item in items], generated.walls, camera, look)
@@ -95,11 +95,9 @@ def surface_of(block: ColoredBlock) -> ColoredMesh:
 
 def doubt_placements(items: list[Placed], inputs: Inputs) -> list[Placed]:
     """The items, each with what may be wrong with it."""
-    room, seen = inputs.objects, {item.id: item for item in inputs.objects.objects}
+    walls, known, seen = inputs.objects.walls, inputs.categories, {item.id: item for item in inputs.objects.objects}
     moved = {name for name, nudge in inputs.nudges.items() if nudge is not None}
-    return [
-        doubt_placement(item, room.walls, seen[item.id], inputs.categories, moved=item.id in moved) for item in items
-    ]
+    return [doubt_placement(item, walls, seen[item.id], known, moved=item.id in moved) for item in items]
 
 
 def doubt_placement(
@@ -147,40 +145,19 @@ def to_contract(
             objects.append(PlacedObject(id=extracted.id, label=extracted.label, status="failed", reason=reason))
             continue
         item = placed[extracted.id]
-        objects.append(
-            PlacedObject(
-                id=item.id,
-                label=item.label,
-                asset=item.asset.id,
-                category=item.asset.category,
-                position=round_vector(item.center),
-                yaw=round(item.box.yaw, 6),
-                size=round_vector(item.size),
-                size_spread=None if item.spread is None else round_vector(item.spread),
-                place_spread=None if item.place_spread is None else round(item.place_spread, 6),
-                finish=item.finish,
-                support=item.support,
-                mounting=item.mounting,
-                cousin=item.cousin,
-                chosen=item.chosen,
-                steps=list(item.steps),
-                doubts=sort_by_chance(list(item.doubts)),
-                moved=round(item.moved, 6),
-                settled_shift=settled.shifts[item.id],
-            )
-        )
+        objects.append(PlacedObject(
+            id=item.id, label=item.label, asset=item.asset.id, category=item.asset.category,
+            position=round_vector(item.center), yaw=round(item.box.yaw, 6), size=round_vector(item.size),
+            size_spread=None if item.spread is None else round_vector(item.spread),
+            place_spread=None if item.place_spread is None else round(item.place_spread, 6),
+            finish=item.finish, support=item.support, mounting=item.mounting, cousin=item.cousin, chosen=item.chosen,
+            steps=list(item.steps), doubts=sort_by_chance(list(item.doubts)), moved=round(item.moved, 6),
+            settled_shift=settled.shifts[item.id],
+        ))  # fmt: skip
     return GeneratedScene(
-        scene=room.scene,
-        variant=variant,
-        rank=rank,
-        width=room.width,
-        height=room.height,
-        intrinsics=room.intrinsics,
-        floor_from_camera=room.floor_from_camera,
-        walls=room.walls,
-        objects=objects,
-        plausibility=settled.plausibility,
-    )
+        scene=room.scene, variant=variant, rank=rank, width=room.width, height=room.height, intrinsics=room.intrinsics,
+        floor_from_camera=room.floor_from_camera, walls=room.walls, objects=objects, plausibility=settled.plausibility,
+    )  # fmt: skip
 
 
 def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> list[str]:
@@ -204,8 +181,7 @@ def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Pa
     """The objects of a scene, with models at their sizes.
 
     Args:
-        folders: of the library's models, by asset id.
-        cache: folder for resized models.
+        folders: of the library's models, by asset id; `cache`: for resized ones.
         path: of the scene, for what is refused.
 
     Raises:
@@ -216,9 +192,8 @@ def read_items(generated: GeneratedScene, folders: Mapping[str, Path], cache: Pa
         if item.status != "ok":
             continue
         if item.asset not in folders:
-            raise ObjectError(
-                path, f"{item.id} is '{item.asset}', which the library does not have.", code="E-LIBRARY-ASSET"
-            )
+            what = f"{item.id} is '{item.asset}', which the library does not have."
+            raise ObjectError(path, what, code="E-LIBRARY-ASSET")
         folder = resize_asset(folders[item.asset], item.size, cache, item.finish)
         box, mounting = UprightBox(item.position, item.size, item.yaw), item.mounting or Mounting(type=2)
         items.append(Placed(item.id, item.label, read_asset(folder), folder, box, mounting, item.support))

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TypeAlias
 
 import numpy as np
 import sapien
@@ -18,13 +17,13 @@ from roomkin.stages.contracts import Objects
 from roomkin.stages.contracts.doubt import DoubtKind
 from roomkin.stages.contracts.generated import Plausibility
 from roomkin.stages.contracts.objects import Wall
-from roomkin.stages.generation.placed import UNNAMED, Placed
+from roomkin.stages.contracts.types import UNNAMED
+from roomkin.stages.generation.placed import Placed
 from roomkin.stages.geometry.boxes import depth_behind, is_behind
 from roomkin.stages.simulation.loading import box_center, load_asset, physics_scene, root_pose
-from roomkin.stages.simulation.room import add_backdrop
+from roomkin.stages.simulation.room import Body, add_backdrop
 
 OVERLAP = 0.005  # metres that push things: 5 mm threw light things over (GenerationConfig.touch)
-Body: TypeAlias = PhysxArticulation | sapien.Entity
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,7 @@ def run_physics(
     for item in items:
         body = bodies[item.id]
         pose = body.get_root_pose() if isinstance(body, PhysxArticulation) else body.get_pose()
-        shift = _box_center(item, pose) - item.center
+        shift = (pose * sapien.Pose(box_center(item.asset))).p - item.center
         shifts[item.id] = round(float(np.linalg.norm(shift)), 5)
         if np.linalg.norm(shift) > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
             how[item.id] = describe_fall(shift, _tilt(pose), overlaps.get(item.id, ""), options)
@@ -87,16 +86,10 @@ def run_physics(
     held = [item.id for item in items if item.support == UNNAMED]
     in_walls = find_behind(items, walls)
     verdict = Plausibility(
-        seconds=options.settle_seconds,
-        stable=not (how or collisions or held or in_walls),
-        fallen=list(how),
-        how=how,
-        held=held,
-        behind=in_walls,
-        mean_displacement=round(float(np.mean(free)), 5) if free else 0.0,
-        max_penetration=round(penetration, 5),
-        collisions=collisions,
-    )
+        seconds=options.settle_seconds, stable=not (how or collisions or held or in_walls), fallen=list(how), how=how,
+        held=held, behind=in_walls, mean_displacement=round(float(np.mean(free)), 5) if free else 0.0,
+        max_penetration=round(penetration, 5), collisions=collisions,
+    )  # fmt: skip
     return Settled(verdict, shifts)
 
 
@@ -152,10 +145,6 @@ def deepest_contact(scene: sapien.Scene) -> float:
     """Largest overlap of any two bodies in contact, metres."""
     separations = [point.separation for contact in scene.get_contacts() for point in contact.points]
     return max(0.0, -min(separations, default=0.0))
-
-
-def _box_center(item: Placed, pose: sapien.Pose) -> NDArray[np.float64]:
-    return np.asarray((pose * sapien.Pose(box_center(item.asset))).p, dtype=float)
 
 
 def _tilt(pose: sapien.Pose) -> float:

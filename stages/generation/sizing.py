@@ -72,10 +72,7 @@ class VisibleSolid:
         )
 
 
-@lru_cache(maxsize=64)
-def read_solid(folder: Path) -> VisibleSolid:
-    """The solid of a model of the library."""
-    return VisibleSolid(folder)
+read_solid = lru_cache(maxsize=64)(VisibleSolid)  # of a folder of the library
 
 
 POINTS = 400  # of a cloud, for time
@@ -135,11 +132,8 @@ class FittedBox(NamedTuple):
     cost: float
 
 
-class Correspondences(NamedTuple):
-    """What of a surface belongs to each of N points: points and normals (N, 3) in the unit box."""
-
-    points: Array
-    normals: Array
+# What of a surface belongs to each of N points: points and normals (N, 3) in the unit box.
+Correspondences = tuple[Array, Array]
 
 
 def fit_box(solid: VisibleSolid, start: UprightBox, seen: SeenObject, known: Prior) -> FittedBox:
@@ -188,7 +182,7 @@ def find_correspondences(solid: VisibleSolid, seen: SeenObject, box: UprightBox)
         queries = o3d.core.Tensor.from_numpy(ends[missed].astype(np.float32))
         found[missed] = solid.scene.compute_closest_points(queries, nthreads=1)["points"].numpy()
         normals[missed] = (ends - found)[missed] * box.size**2  # in metres along what is between the two
-    return Correspondences(found, normals)
+    return found, normals
 
 
 def compare(
@@ -206,9 +200,10 @@ def compare(
         pixels = seen.project(solid.outermost * box.size @ turn.T + box.center)
         off = seen.outline.measure_misfit(pixels) / OUTLINE
         terms.append((off, INDEPENDENT_ENDS / DIRECTIONS, UNUSUAL))
-    normals = on.normals / box.size
+    places, across = on
+    normals = across / box.size
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True).clip(1e-12) @ turn.T
-    apart = ((on.points * box.size @ turn.T + box.center - seen.points) * normals).sum(axis=1)
+    apart = ((places * box.size @ turn.T + box.center - seen.points) * normals).sum(axis=1)
     noise = seen.noise * (normals * seen.rays).sum(axis=1)
     terms.append((apart / np.hypot(noise, tolerance), min(1.0, INDEPENDENT_POINTS / len(seen.points)), UNUSUAL))
     x, y, z = np.log(box.size / known.native)
@@ -263,7 +258,7 @@ def size(
         native=np.array(placed.asset.size),
         is_round=placed.asset.symmetry == "full",
         usual=category.measure_spread() if category else None,
-        bottom=None if placed.wall_mounted else placed.bottom,
+        bottom=None if placed.wall_mounted else placed.box.bottom,
         walls=[wall for wall in scene.walls if not is_behind(placed.box, wall.normal, wall.offset)],
         touched=reached,
     )

@@ -12,7 +12,8 @@ from shapely.ops import nearest_points
 
 from roomkin.stages.config.generation import GenerationConfig
 from roomkin.stages.contracts.category import CategoryFacts, find_category, may_stand_on
-from roomkin.stages.generation.placed import FLOOR, UNNAMED, WALL, Placed, Prism
+from roomkin.stages.contracts.types import FLOOR, UNNAMED, WALL
+from roomkin.stages.generation.placed import Placed, Prism
 from roomkin.stages.geometry.boxes import THINNEST, footprint
 
 HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing; chosen
@@ -56,7 +57,7 @@ def find_surface(item: Placed, lower: Placed) -> SupportSurface:
             area = surface if carries.is_empty else keep_polygons(within)
             found[surface.intersection(under).area, -surface.distance(under), height] = area
     if not found:
-        return SupportSurface(lower.top, footprint(lower.box))
+        return SupportSurface(lower.box.top, footprint(lower.box))
     return SupportSurface(max(found)[2], keep_balanced(item, lower, pieces, found[max(found)]))
 
 
@@ -154,20 +155,20 @@ def find_supports(
             and (tolerance is None or may_stand_on(meant[item.id], meant[lower.id]))
         ]
         carriers = [
-            (height, lower.id, lower.top)
+            (height, lower.id, lower.box.top)
             for lower, height, shared in beneath
-            if shared > overlap and (tolerance is None or item.bottom >= height - tolerance)
+            if shared > overlap and (tolerance is None or item.box.bottom >= height - tolerance)
         ]
-        if not carriers and tolerance is not None and item.bottom > tolerance and not item.wall_mounted:
+        if not carriers and tolerance is not None and item.box.bottom > tolerance and not item.wall_mounted:
             level = [
-                (shared, -footprint_gap(item, lower), lower.id, height, lower.top)
+                (shared, -footprint_gap(item, lower), lower.id, height, lower.box.top)
                 for lower, height, shared in beneath
-                if abs(item.bottom - height) <= tolerance
+                if abs(item.box.bottom - height) <= tolerance
             ]
             carriers = [(height, name, top) for *_, name, height, top in sorted(level)[-1:]]
         highest = max(carriers, default=(0.0, FLOOR, 0.0))
         top = max((top for *_, top in carriers), default=0.0)  # a stool's may have become a chair's back
-        above = tolerance is not None and item.bottom > top + tolerance and not item.wall_mounted
+        above = tolerance is not None and item.box.bottom > top + tolerance and not item.wall_mounted
         supports[item.id] = UNNAMED if above else highest[1]
     return supports
 
@@ -230,11 +231,10 @@ def put_on_supports(items: list[Placed], supports: dict[str, str], steady: bool 
             if steady and not item.wall_mounted:
                 there, here = nearest_points(surface.steady_region(item), Point(item.center[:2]))
                 moved = item.shift([there.x - here.x, there.y - here.y, 0.0])
-        rise = beneath - item.bottom
+        rise = beneath - item.box.bottom
         moved = moved.shift([0, 0, max(0.0, rise) if item.wall_mounted else rise])
-        done[item.id] = replace(
-            item.change_box("on what carries it", moved.box), support=WALL if item.wall_mounted else support
-        )
+        support = WALL if item.wall_mounted else support
+        done[item.id] = replace(item.change_box("on what carries it", moved.box), support=support)
     return list(done.values())
 
 

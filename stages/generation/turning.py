@@ -34,11 +34,8 @@ def find_yaw(
     """The matched yaw, turned to the wall that the object touches (A.3), else to the axes of its cloud (A.7).
 
     Args:
-        box, cloud: of the object, floor frame.
-        camera: its position.
-        touched: the walls that the object touches, the dominant one first.
-        articulated: whether the model is.
-        category: of the model.
+        box, cloud: of the object, floor frame, which touches the walls `touched`, the dominant one first.
+        articulated: whether the model is; `category`: its.
     """
     views = [cousin.orientation, *cousin.orientations]
     if options.wall_view == "rear":

@@ -43,9 +43,7 @@ def count_values(values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]
 
 
 HYPOTHESES, PLANES = 300, 3  # three-point hypotheses a plane, planes; chosen for time
-CROWDED = (
-    0.95  # all values of a z-buffer with a near plane of 2 cm are above it; in metres that is nearly a plane; chosen
-)
+CROWDED = 0.95  # all values of a z-buffer with a near plane of 2 cm are above; in metres nearly a plane; chosen
 BENDS = 16  # lengths of a bend in a picture's width; chosen
 ROUNDED = 1e-6  # bends of numbers with 32 bits are noise below it
 FLAT = 0.05  # share of the bends

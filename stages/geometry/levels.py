@@ -73,14 +73,11 @@ def find_floor(
 ) -> room_planes.Plane | None:
     """The floor without a mask of it: the level (a table top, too) that most objects stand on.
 
-    Of two with as many objects it is the one with fewer points below it.
+    Of two with as many objects it is the one with fewer points below it. Args as of `find_levels`, and:
 
     Args:
-        points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth, which count where none is free.
-        free: (H, W) those that belong to no object and no wall.
+        free: pixels (H, W) that belong to no object and no wall; the known ones count where none is.
         objects: (N, 3) of each object.
-        up: (3,) as of `find_up`.
     """
     levels = find_levels(points, free, up) or find_levels(points, known, up)
     cloud = points[free if free.any() else known]

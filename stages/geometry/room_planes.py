@@ -56,13 +56,7 @@ def find_up(points: Array, known: NDArray[np.bool_], max_tilt: float) -> Array |
 
 
 def is_upside_down(points: Array, known: NDArray[np.bool_], max_tilt: float) -> bool:
-    """Whether nothing level faces up, and much does if the picture is turned over.
-
-    Args:
-        points: (H, W, 3) camera frame, metres.
-        known: (H, W) pixels with depth.
-        max_tilt: largest angle to image-up, degrees.
-    """
+    """Whether nothing level faces up, and much does if the picture is turned over. Args as of `find_up`."""
     normals = cell_normals(points, known)[1]
     up, down = (_share_level(normals * [1, side, 1], max_tilt) for side in (1, -1))
     return up < NO_LEVEL and down > MUCH_LEVEL
@@ -151,10 +145,8 @@ def fit_plane(
     """The plane with the most points within `threshold` of it.
 
     Args:
-        points: (N, 3).
-        threshold: inlier distance in metres.
-        iterations: number of three-point hypotheses.
-        rng: source of the hypotheses; the same state gives the same plane.
+        points: (N, 3); `threshold`: metres.
+        iterations: number of three-point hypotheses, drawn from `rng`.
         plausible: which of (M, 3) unit normals may be a solution, e.g. nearly vertical ones.
 
     Returns:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import cache, lru_cache
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -16,19 +16,11 @@ MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7  # kg, kg m^2, for stable simulation;
 Matrix = NDArray[np.float64]
 
 
-class HasMesh(Protocol):
-    """Something that is seen as a mesh."""
-
-    @property
-    def mesh(self) -> Trimesh:
-        """Its mesh."""
-        ...
-
-
-def board_mass(pieces: Sequence[Trimesh], visuals: Iterable[HasMesh]) -> float:
+def board_mass(pieces: Sequence[Trimesh], visuals: Iterable[Any]) -> float:
     """The mass of a link whose file states none: furniture is made of boards.
 
-    It is that of boards with half the visible area (both sides are visible), or of its hulls if that is less.
+    It is that of boards with half the area of `visuals` (their `mesh`: both sides are visible), or of its hulls if that
+    is less.
     """
     area = sum(float(visual.mesh.area) for visual in visuals)
     volume = min(sum(abs(piece.volume) for piece in pieces), area / 2 * BOARD)

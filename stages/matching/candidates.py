@@ -74,14 +74,8 @@ def list_likely(item: SceneObject, near: list[tuple[str, float]], text: TextEnco
             more = UNLIKELY * float(np.log(first / max(one.probability, MIN_PROBABILITY)))
             for name, distance in find_nearest_categories(one.name, categories, len(categories), text):
                 distances[name] = min(distances[name], round(distance + more, 6))
-    return [
-        CategoryMatch(category=name, distance=distance)
-        for name, distance in sorted(distances.items(), key=_by_distance)
-    ]
-
-
-def _by_distance(pair: tuple[str, float]) -> tuple[float, str]:
-    return pair[1], pair[0]
+    ordered = sorted((distance, name) for name, distance in distances.items())
+    return [CategoryMatch(category=name, distance=distance) for distance, name in ordered]
 
 
 def _of(pool: list[LibraryEntry], categories: list[CategoryMatch]) -> list[LibraryEntry]:
@@ -157,20 +151,16 @@ def measure_overlaps(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> 
 
 def list_addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) -> list[dict[str, float]]:
     """For every candidate what its distance grows by, by name; without those of weight 0."""
-    labels = {match.category: match.distance for match in candidates.categories}
-    return [
-        {
-            name: weight * amount
-            for name, weight, amount in (
-                ("label", options.label_weight, labels.get(entry.category, 0.0)),
-                ("size", options.size_weight, size_gap(item, entry)),
-                ("counts", options.count_weight, panel_gap(item, entry) if item.articulated else 0),
-                ("place", options.place_weight, is_misplaced(item, entry)),
-            )
-            if weight
-        }
-        for entry in candidates.assets
-    ]
+    labels, addends = {match.category: match.distance for match in candidates.categories}, []
+    for entry in candidates.assets:
+        parts = (
+            ("label", options.label_weight, labels.get(entry.category, 0.0)),
+            ("size", options.size_weight, size_gap(item, entry)),
+            ("counts", options.count_weight, panel_gap(item, entry) if item.articulated else 0),
+            ("place", options.place_weight, is_misplaced(item, entry)),
+        )
+        addends.append({name: weight * amount for name, weight, amount in parts if weight})
+    return addends
 
 
 def sum_priors(candidate: Candidate) -> float:

@@ -80,12 +80,10 @@ def group_alike(items: list[SceneObject]) -> list[list[int]]:
     """Numbers of the things that are alike: called and counted alike, as high, all hanging or none."""
     found: list[list[int]] = []
     for number, item in enumerate(items):
-        like = (group for group in found if _is_alike(items[group[0]], item))
-        group = next(like, None)
+        group = next((group for group in found if _is_alike(items[group[0]], item)), None)
         if group is None:
-            found.append([number])
-        else:
-            group.append(number)
+            found.append(group := [])
+        group.append(number)
     return [group for group in found if len(group) > 1]
 
 
@@ -156,15 +154,9 @@ def decide_cousins(
         cousins.append(
             Cousin(rank=number, **candidate.model_dump(), orientation=orientations[0], orientations=orientations)
         )
+    doubts = [DoubtKind.LABEL.of(what=candidates.doubt)] if candidates.doubt else []
     return ObjectCousins(
-        id=item.id,
-        label=item.label,
-        doubts=[DoubtKind.LABEL.of(what=candidates.doubt)] if candidates.doubt else [],
-        note="; ".join(notes),
-        categories=candidates.categories,
-        by_votes=by_votes,
-        by_distance=by_distance,
-        decided_by=decided_by,
-        orientation_decided_by=orientation_decided_by,
-        cousins=cousins,
-    )
+        id=item.id, label=item.label, doubts=doubts, note="; ".join(notes), categories=candidates.categories,
+        by_votes=by_votes, by_distance=by_distance, decided_by=decided_by,
+        orientation_decided_by=orientation_decided_by, cousins=cousins,
+    )  # fmt: skip

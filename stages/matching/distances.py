@@ -49,16 +49,11 @@ def run(
     matched = read_json(Cousins, cousins)
     item = next((entry for entry in matched.objects if entry.id == object), None)
     weights = column_weights(encoder, depth=True)
-    twins = dict.fromkeys(
-        [find_true_model(truth, objects, object), *(cousin.asset for cousin in (item.cousins if item else []))]
-    )
-    articulated = set(assets)
-    rows = {
-        asset: measure_distances(asset, assets, store, weights, settings) for asset in twins if asset in articulated
-    }
-    write_json(
-        out, Distances(scene=matched.scene, object=object, encoder=matched.encoder, assets=assets, distances=rows)
-    )
+    cousin_models = [cousin.asset for cousin in (item.cousins if item else [])]
+    twins = [one for one in dict.fromkeys([find_true_model(truth, objects, object), *cousin_models]) if one in assets]
+    rows = {asset: measure_distances(asset, assets, store, weights, settings) for asset in twins}
+    scene, made_by = matched.scene, matched.encoder
+    write_json(out, Distances(scene=scene, object=object, encoder=made_by, assets=assets, distances=rows))
 
 
 def measure_distances(
@@ -66,8 +61,7 @@ def measure_distances(
 ) -> list[float]:
     """Embedding distance of one asset's representative snapshot to that of each of `assets`; 0 to itself."""
     view = store.representative
-    query = Query(
-        apply_weights(store.rows(Snapshot(asset, view)), weights), weights, store.read_wholes(asset, [view])[0]
-    )
+    patches = apply_weights(store.rows(Snapshot(asset, view)), weights)
+    query = Query(patches, weights, store.read_wholes(asset, [view])[0])
     ranking = rank(query, [Snapshot(other, view) for other in assets], range(len(assets)), store, options, 1)
     return ranking.distances.tolist()

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 from roomkin.stages.cli import progress
 from roomkin.stages.config.code import record_provenance
@@ -23,12 +22,8 @@ from roomkin.stages.matching.snapshots import SceneObjects, Snapshots
 from roomkin.stages.matching.store import FeatureStore
 from roomkin.stages.matching.text_encoders import TextEncoder, make_text_encoder
 
-
-class Pictures(NamedTuple):
-    """What the object's picture is compared with."""
-
-    encoder: PatchEncoder
-    store: FeatureStore
+# What an object's picture is compared with: the encoder, and the features that it made of the library.
+Pictures = tuple[PatchEncoder, FeatureStore]
 
 
 def run(
@@ -67,16 +62,14 @@ def run(
     ]
     encoder = settings.encoder if stored else "none"
     items = scene.objects.objects
-    entries = [
-        note_differences(entry, item, assets) for entry, item in zip(agree_on_order(entries, items), items, strict=True)
-    ]
+    pairs = zip(agree_on_order(entries, items), items, strict=True)
+    entries = [note_differences(entry, item, assets) for entry, item in pairs]
     wholes = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte
     seen = [image, *wholes] if settings.compares_pictures else []
     asked = settings.keep_deciding()
     seed = scene.objects.made.seed if scene.objects.made else None
     origin = record_provenance("roomkin.stages.matching.match", asked, [objects, *seen, library, *without], seed)
-    result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
-    write_json(out, result)
+    write_json(out, Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin))
     for line in (*judges.summaries(), *describe_doubts(entries)):
         print(line)
 
@@ -92,7 +85,7 @@ def describe_doubts(entries: list[ObjectCousins]) -> Iterator[str]:
 def open_pictures(features: tuple[Path, ...], options: MatchingConfig) -> Pictures:
     """The encoder, and the features that it made of the library."""
     encoder = make_encoder(options)
-    return Pictures(encoder, FeatureStore(features, settings_digest(options, encoder)))
+    return encoder, FeatureStore(features, settings_digest(options, encoder))
 
 
 def leave_out(library: Library, files: tuple[Path, ...]) -> Library:

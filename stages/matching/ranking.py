@@ -181,18 +181,11 @@ def rank_models(
     groups = [number for number in range(len(assets)) for _ in views]
     ranking = rank(query, snapshots, groups, store, options, options.k_model, options.symmetric, options.nearest_views)
     votes = dict(ranking.picks)
-    compared = [
-        Candidate(
-            asset=entry.id,
-            category=entry.category,
-            distance=round(float(distance) + sum(more.values()), DIGITS),
-            parts={"patches": float(distance)} | more if more else {},
-            votes=votes.get(number),
-        )
-        for number, (entry, distance, more) in enumerate(
-            zip(assets, ranking.distances, list_addends(item, candidates, options), strict=True)
-        )
-    ]
+    compared, addends = [], list_addends(item, candidates, options)
+    for number, (entry, apart, more) in enumerate(zip(assets, ranking.distances.tolist(), addends, strict=True)):
+        total, parts = round(apart + sum(more.values()), DIGITS), {"patches": apart} | more if more else {}
+        seen = votes.get(number)
+        compared.append(Candidate(asset=entry.id, category=entry.category, distance=total, parts=parts, votes=seen))
     return [compared[group] for group, _ in ranking.picks], sorted(compared, key=lambda one: one.distance)
 
 

@@ -116,8 +116,7 @@ class FeatureStore:
             if not index.assets:
                 continue
             if self._arrays and array.shape[1] != self._arrays[0].shape[1]:
-                what = f"rows: {array.shape[1]} numbers each, {paths[0]} has others."
-                raise other_features(path, what)
+                raise other_features(path, f"rows: {array.shape[1]} numbers each, {paths[0]} has others.")
             parts = open_companion(path, index, array)
             self._codecs.append(Codec(*(parts[name] for name in Codec._fields)) if "mean" in parts else None)
             self._wholes.append(parts["wholes"])

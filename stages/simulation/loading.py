@@ -88,9 +88,8 @@ class ParsedAsset:
         try:
             parsed = self._loader.parse(str(urdf))
         except Exception as error:  # the loader raises whatever its XML and mesh readers raise
-            raise ObjectError(
-                urdf, f"cannot be loaded: {str(error).splitlines()[0]}.", code="E-MODEL-BROKEN"
-            ) from error
+            what = f"cannot be loaded: {str(error).splitlines()[0]}."
+            raise ObjectError(urdf, what, code="E-MODEL-BROKEN") from error
         names = ("articulation_builders", "actor_builders") if isinstance(parsed, dict) else (0, 1)
         bodies = [*parsed[names[0]], *parsed[names[1]]]
         if len(bodies) != 1:
@@ -103,20 +102,13 @@ def _scratch() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="acdc-stretched-")
 
 
-def load_visual(
-    scene: sapien.Scene, folder: Path, scale: float, stretch: NDArray[np.float64] | None = None
-) -> PhysxArticulation | sapien.Entity:
-    """Add the visuals of an asset, closed and scaled; it is fixed and collides with nothing.
-
-    `stretch` (3,): further factors along its axes.
-    """
+def load_visual(scene: sapien.Scene, folder: Path, scale: float) -> PhysxArticulation | sapien.Entity:
+    """Add the visuals of an asset, closed and scaled; it is fixed and collides with nothing."""
     loader = scene.create_urdf_loader()
     loader.scale = scale
     builder = ParsedAsset(loader, folder, fixed=True).builder()
     for link in getattr(builder, "link_builders", [builder]):
         link.collision_records.clear()
-    if stretch is not None:
-        builder = stretch_builder(builder, stretch) or builder
     builder.initial_pose = sapien.Pose()
     if not hasattr(builder, "link_builders"):
         builder.set_physx_body_type("kinematic")

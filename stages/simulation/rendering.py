@@ -77,6 +77,7 @@ def make_skyless_pack(pack: str) -> str:
     return str(keep(cache_folder() / f"shaders-{digest}", changed) / pack)
 
 
+BACKGROUND = np.array([209, 209, 214], np.uint8)  # where nothing is
 SHADED, LIGHTS_BEFORE = 8.0, 2.0  # metres: default radius of what casts shadows, and depth of the map beyond it
 _alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (0.1 s)
 
@@ -119,9 +120,8 @@ def make_scene(
         device = [sapien.Device("cpu")] if render_backend() == "cpu" else []  # none: SAPIEN takes the GPU
         renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:
-        raise InputError(
-            "renderer", f"no Vulkan device ({error}).", "roomkin check", code="E-RENDERER-MISSING"
-        ) from None
+        what = f"no Vulkan device ({error})."
+        raise InputError("renderer", what, "roomkin check", code="E-RENDERER-MISSING") from None
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])
     scene.timestep = 0.01
     scene.set_ambient_light([0.42, 0.42, 0.44])
@@ -180,7 +180,9 @@ class RenderCamera:
             color = (np.clip(color, 0.0, 1.0) * 255).round().astype(np.uint8)
         seen = entities > 0
         depth = np.where(seen, forward, np.float32(0))
-        return RenderedImage(_blend_background(color, seen), depth, self._instances(entities))
+        rgb = np.ascontiguousarray(color[..., :3])
+        rgb[~seen] = BACKGROUND
+        return RenderedImage(rgb, depth, self._instances(entities))
 
     def close(self) -> None:
         """Take the camera out of the scene."""
@@ -194,15 +196,6 @@ class RenderCamera:
             if link is not None:
                 table[entity.per_scene_id] = instance_id(link.articulation)
         return table.astype(np.int32)[entities]
-
-
-def _blend_background(rgba: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """Colors (H, W, 3) of pixels (H, W, 4) that show something, elsewhere the background; four bytes at a time."""
-    background = np.array([0.82, 0.82, 0.84, 0.0]) * 255
-    pixels = np.where(
-        seen, np.ascontiguousarray(rgba).view(np.uint32)[..., 0], background.round().astype("u1").view("u4")
-    )
-    return np.ascontiguousarray(pixels.view(np.uint8).reshape(rgba.shape)[..., :3])
 
 
 def add_block(

@@ -166,14 +166,10 @@ class AcdcPanda(Panda):
             "urdf_path": self.urdf_path,
         }
         gripper = PDJointPosMimicControllerConfig(
-            self.gripper_joint_names,
-            lower=GRIPPER_CLOSED,
-            upper=GRIPPER_OPEN,
-            stiffness=self.gripper_stiffness,
-            damping=self.gripper_damping,
-            force_limit=self.gripper_force_limit,
+            self.gripper_joint_names, lower=GRIPPER_CLOSED, upper=GRIPPER_OPEN, stiffness=self.gripper_stiffness,
+            damping=self.gripper_damping, force_limit=self.gripper_force_limit,
             mimic={"panda_finger_joint2": {"joint": "panda_finger_joint1"}},
-        )
+        )  # fmt: skip
         return {
             "pd_ee_dls": {"arm": PDEEPoseDLSConfig(**arm), "gripper": gripper},
             "pd_ee_target_delta_pose": {"arm": PDEEPoseControllerConfig(**arm, use_target=True), "gripper": gripper},

@@ -1,15 +1,12 @@
 """The geometry that a task needs of its asset: the target joint, its handle, its moving and its fixed meshes."""
 
 from dataclasses import dataclass
-from functools import cache
-from types import SimpleNamespace
-from typing import NamedTuple
 
 import numpy as np
 import trimesh
 from mani_skill.utils.geometry.trimesh_utils import get_component_meshes, merge_meshes
 from numpy.typing import NDArray
-from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent, PhysxCollisionShapeBox
+from sapien.physx import PhysxArticulation
 from scipy.spatial.transform import Rotation
 
 from roomkin.stages.articulated.handle import Handle, find_handle
@@ -72,60 +69,19 @@ def read_target(raw: PhysxArticulation, index: int) -> Target:
     root_inverse = invert_transform(raw.root.pose.to_transformation_matrix())
     joint = raw.active_joints[index]
     joint_frame = root_inverse @ joint.get_global_pose().to_transformation_matrix()
-    moving: list[Shape] = []
-    fixed: list[Shape] = []
+    moving: list[trimesh.Trimesh] = []
+    fixed: list[trimesh.Trimesh] = []
     for link in raw.links:
         root_from_link = root_inverse @ link.pose.to_transformation_matrix()
         group = moving if descends(link, joint.child_link) else fixed
-        group += [shape.move(root_from_link) for shape in read_shapes(link)]
+        group += [mesh.apply_transform(root_from_link) for mesh in get_component_meshes(link)]
     lower, upper = joint.limits[0].tolist()
     mesh = merge_meshes(moving)
+    still = merge_meshes(fixed) if fixed else trimesh.Trimesh()
     return Target(
-        index=index,
-        revolute=joint.type.startswith("revolute"),
-        axis=joint_frame[:3, 0],
-        origin=joint_frame[:3, 3],
-        lower=float(lower),
-        upper=float(upper),
-        moving=mesh,
-        fixed=merge_meshes(fixed) if fixed else trimesh.Trimesh(),
-        handle=find_handle(mesh),
-    )
-
-
-class Shape(NamedTuple):
-    """Vertices (V, 3) and faces (F, 3): what of a mesh is merged, without the checks of `trimesh.Trimesh`."""
-
-    vertices: Array
-    faces: NDArray[np.int64]
-
-    def move(self, matrix: Array) -> "Shape":
-        """The shape moved by a rigid (4, 4)."""
-        matrix = np.asarray(matrix, dtype=float)
-        if trimesh.util.allclose(matrix, np.eye(4)):
-            return self
-        return Shape(trimesh.transformations.transform_points(self.vertices, matrix), self.faces)
-
-
-def read_shapes(link: PhysxArticulationLinkComponent) -> list[Shape]:
-    """Collision shapes in the frame of their link."""
-    shapes = []
-    for geometry in link.get_collision_shapes():
-        if isinstance(geometry, PhysxCollisionShapeBox):
-            cube = unit_cube()
-            box = Shape(cube.vertices * (2 * geometry.half_size), cube.faces)
-            shapes.append(box.move(geometry.get_local_pose().to_transformation_matrix()))
-        else:
-            alone = SimpleNamespace(get_collision_shapes=lambda geometry=geometry: [geometry])
-            shapes += [Shape(mesh.vertices, mesh.faces) for mesh in get_component_meshes(alone)]
-    return shapes
-
-
-@cache
-def unit_cube() -> Shape:
-    """A cube of side 1 about the origin."""
-    box = trimesh.creation.box()
-    return Shape(np.asarray(box.vertices), np.asarray(box.faces))
+        index=index, revolute=joint.type.startswith("revolute"), axis=joint_frame[:3, 0], origin=joint_frame[:3, 3],
+        lower=float(lower), upper=float(upper), moving=mesh, fixed=still, handle=find_handle(mesh),
+    )  # fmt: skip
 
 
 def descends(link: object, ancestor: object) -> bool:

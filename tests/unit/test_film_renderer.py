@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from roomkin.stages.contracts.policy_config import TaskConfig
-from roomkin.stages.simulation.film_renderer import HAND_SHARE, LIT, FilmRenderer, Shot, directions, pick_evenly
+from roomkin.stages.simulation.film_renderer import FilmRenderer, Shot, directions, pick_evenly
 from roomkin.stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
 from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
@@ -37,22 +37,20 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     task = EnvWrapper("door", tmp_path / "cabinet", "door_0_joint", None, TaskConfig())
     task.place(3)
     closed, renderer = task.env.moment(), FilmRenderer()
-    key = renderer.key
-    assert (key.shadow_half_size, key.shadow_near, key.shadow_far) == pytest.approx((LIT, -2 * LIT, 2 * LIT))
     opened = replace(closed, asset_joints={**closed.asset_joints, "door_0_joint": 1.0})
     recording = task.env.recording([closed, opened])
     shot = Shot(renderer, recording, recording.moments)
     pictures = [shot.picture(moment) for moment in recording.moments]
-    assert shot._measure_hand_seen(shot.world_from_camera) > HAND_SHARE
+    assert all(shot._sees_hand(shot.world_from_camera, moment) for moment in recording.moments)
     assert (renderer.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
     shot.close()
     assert all(picture.shape == (360, 480, 3) for picture in pictures) and (pictures[0] != pictures[1]).any()
     assert np.array_equal(renderer.film(recording, 2), pictures), "nothing is left in the renderer"
     assert FilmRenderer(width=160, height=90).film(recording, 1)[0].shape == (90, 160, 3)
 
-    monkeypatch.setattr(
-        Shot, "_measure_hand_seen", lambda _, view: float(view[2, 2] > -0.4)
-    )  # as if it were hidden from above
-    lower = Shot(renderer, recording, recording.moments).world_from_camera
-    assert lower[2, 2] > -0.4 > shot.world_from_camera[2, 2]
+    monkeypatch.setattr(Shot, "_sees_hand", lambda *_: False)
+    first = Shot(renderer, recording, recording.moments).world_from_camera
+    monkeypatch.setattr(Shot, "_sees_hand", lambda _, view, moment: view[2, 2] < -0.45)  # from above alone
+    higher = Shot(renderer, recording, recording.moments).world_from_camera
+    assert higher[2, 2] < -0.45 < first[2, 2]
     task.close()

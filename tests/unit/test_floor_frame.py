@@ -93,7 +93,7 @@ def test_a_floor_above_the_camera_is_none() -> None:
 
 def test_a_room_that_cannot_be_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     behind = WallPlane(np.array([-1.0, 0, 0]), 1.0, 100)  # the camera is behind this wall
-    monkeypatch.setattr("roomkin.stages.extraction.floor.fit_wall", lambda *_: behind)
+    monkeypatch.setattr("roomkin.stages.geometry.room_planes.fit_wall", lambda *_: behind)
     with refused("E-ROOM-BROKEN", "the camera is behind 'wall_1'"):
         extracted(None)
 

@@ -113,11 +113,11 @@ def test_points_whose_rays_miss_the_model_count_by_how_far_they_are_off() -> Non
     box = UprightBox([0.0, 0.0, 0.0], [2.0, 1.0, 1.0], 0.0)
     points = np.array([[0.2, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 0.9, 0.0]])
     seen = SeenObject(make_transform(np.eye(3), [0.0, 0.0, 3.0]), K, None, points, ERROR)
-    on = find_correspondences(Block(), seen, box)
-    np.testing.assert_allclose(on.points * box.size, [[1 / 6, 0, 0.5], [1, 0, 0], [0, 0.5, 0]], atol=1e-5)
-    across = on.normals / box.size
+    places, across = find_correspondences(Block(), seen, box)
+    np.testing.assert_allclose(places * box.size, [[1 / 6, 0, 0.5], [1, 0, 0], [0, 0.5, 0]], atol=1e-5)
+    across = across / box.size
     across /= np.linalg.norm(across, axis=1, keepdims=True)
-    off = np.abs(((on.points * box.size - points) * across).sum(axis=1))
+    off = np.abs(((places * box.size - points) * across).sum(axis=1))
     assert off[1:] == pytest.approx([0.5, 0.4], abs=1e-5)
 
 

@@ -77,7 +77,7 @@ def test_a_can_lies_in_a_bowl_and_stays(index: int, aside: float, tmp_path: Path
     assert settled.plausibility.stable and settled.plausibility.max_penetration < 1e-3
     assert settled.shifts["can"] < 2e-3
     placed = {item.id: item for item in result.items}["can"]
-    assert placed.support == "bowl" and placed.bottom < 0.05
+    assert placed.support == "bowl" and placed.box.bottom < 0.05
     paper = GenerationConfig(stack_tolerance=None)
     left = resolve_collisions(assign_supports(items, {}, {}, options, {}), [], paper).left
     assert left == [("bowl", "can")], "the paper lets nothing down into another"

@@ -80,7 +80,7 @@ def test_heights_follow_the_supports():
     floating = thing("book", (2, 0.2, 0.85), (0.2, 0.3, 0.05))
     sunk = thing("table", (2, 0, 0.35), (0.8, 1.2, 0.75))
     placed = put_on_supports([sunk, floating], {"table": "floor", "book": "table"})
-    assert [item.bottom for item in placed] == pytest.approx([0, 0.75])
+    assert [item.box.bottom for item in placed] == pytest.approx([0, 0.75])
     assert placed[1].support == "table"
 
 
@@ -90,8 +90,8 @@ def test_type_1_is_only_lifted():
     sunk = thing("sunk", (3.85, 0, 1.1), (0.3, 1, 0.6), mounting=1)  # bottom at 0.8
     supports = {"counter": "floor", "clear": "counter", "sunk": "counter"}
     heights = {item.id: item for item in put_on_supports([counter, sunk, clear], supports)}
-    assert heights["clear"].bottom == pytest.approx(1.3)
-    assert heights["sunk"].bottom == pytest.approx(0.9)
+    assert heights["clear"].box.bottom == pytest.approx(1.3)
+    assert heights["sunk"].box.bottom == pytest.approx(0.9)
     assert heights["clear"].support == heights["sunk"].support == "wall"
 
 
@@ -158,7 +158,7 @@ def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_
     assert tree([jar, book], tolerance=None)["book"] == "jar"  # the paper's rule alone
     placed = {item.id: item for item in put_on_supports(sort_by_height([jar, book, cup]), supports)}
     assert placed["book"].center == pytest.approx([2, 0, 0.85]) and placed["book"].support == "unnamed"
-    assert placed["cup"].bottom == pytest.approx(0.9)
+    assert placed["cup"].box.bottom == pytest.approx(0.9)
     hung = thing("hung", (2, 0, 1.5), (0.1, 0.5, 0.5), mounting=1)
     assert put_on_supports([hung], tree([hung]))[0].support == "wall"
 
@@ -182,7 +182,7 @@ def test_what_stands_on_a_chair_stands_on_its_seat_clear_of_the_back(x, bottom):
     result = resolve_collisions(stacked([solid(bottle), CHAIR]), [], GenerationConfig())
     items = {item.id: item for item in result.items}
     assert items["bottle"].support == "chair" and not result.left
-    assert items["bottle"].bottom == pytest.approx(0.46)
+    assert items["bottle"].box.bottom == pytest.approx(0.46)
     assert items["bottle"].center[0] == pytest.approx(max(x, 1.82 + 0.04), abs=0.006)  # touching is no collision
     assert items["chair"].moved == 0
 
@@ -193,7 +193,7 @@ def test_a_wide_board_lies_on_a_narrow_stool():
     stool = thing("stool", (2, 0, 0.2), (0.3, 0.3, 0.5))
     seat = replace(stool, prisms=(block(0, 0, 0.15, 0.15, -0.2, 0.2),))  # 5 cm below its top
     assert find_surface(board, seat).height == pytest.approx(0.4)
-    assert find_surface(board, stool).height == stool.top
+    assert find_surface(board, stool).height == stool.box.top
 
 
 def test_pieces_whose_edges_nearly_meet_are_joined_and_cut() -> None:

@@ -97,7 +97,7 @@ def test_a_place_that_a_person_said_is_not_doubted(
 
 def test_what_a_person_says_carries_it_does(scene: dict[str, Path], tmp_path: Path) -> None:  # noqa: F811
     mug = _of(_built(scene, tmp_path, 1, mug_1="floor"), "mug_1")
-    assert mug.support == "floor" and mug.bottom == pytest.approx(0, abs=1e-6)
+    assert mug.support == "floor" and mug.box.bottom == pytest.approx(0, abs=1e-6)
 
 
 def test_nothing_carries_itself_by_what_was_told() -> None:

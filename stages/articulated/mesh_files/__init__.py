@@ -12,17 +12,12 @@ from trimesh import Scene
 from roomkin.stages.articulated.mesh_resolver import MeshResolver
 
 
-def state_no_direction(path: Path) -> str:
-    """Files of most kinds do not say what is up."""
-    return ""
-
-
 class MeshReader(NamedTuple):
     """How a kind of file is read.
 
     read: from the file, and what resolves the files that it names, to plain triangles; and what of it is lost, a line
-    each. up: the direction up that a file says, X_UP, Y_UP or Z_UP; empty: it says none.
+    each. up: the direction up that a file says, X_UP, Y_UP or Z_UP; empty: it says none, as most.
     """
 
     read: Callable[[Path, MeshResolver], tuple[Scene, list[str]]]
-    up: Callable[[Path], str] = state_no_direction
+    up: Callable[[Path], str] = lambda path: ""

@@ -18,7 +18,6 @@ from roomkin.stages.geometry.frames import ROUNDING
 
 Corners = NDArray[np.float64]
 Triangles = NDArray[np.int64]
-NEARLY = 1e-9  # of the squared extent: what is smaller faces no side
 
 
 def triangles_of(corners: Corners) -> Triangles:
@@ -152,9 +151,8 @@ def _read_picture(material: MeshMaterial, text: str) -> None:
     material.picture = " ".join(words)
 
 
-FACES = re.compile(
-    r"^[ \t]*f[ \t]+(?:(?:\S+[ \t]+){3,}\S|[^\n]*-\d)", re.MULTILINE
-)  # not triangles that count forwards
+# Those that are no triangles, or count backwards.
+FACES = re.compile(r"^[ \t]*f[ \t]+(?:(?:\S+[ \t]+){3,}\S|[^\n]*-\d)", re.MULTILINE)
 CORNERS = re.compile(r"^[ \t]*v[ \t]+(.+)$", re.MULTILINE)
 COLORED = re.compile(r"^[ \t]*v(?:[ \t]+[-+.\w]+){6,}[ \t]*$", re.MULTILINE)
 LIBRARIES = re.compile(r"^[ \t]*mtllib[ \t]+(.+)$", re.MULTILINE)
@@ -213,7 +211,7 @@ def _materials(text: str, path: Path, files: MeshResolver) -> tuple[dict[str, Me
 
 def _triangulate_text(text: str, bare: bool) -> str:
     """The text with triangles alone, their indices counted from the file's beginning; bare: those of corners alone."""
-    corners = np.array([_numbers(line) for line in CORNERS.findall(text)]).reshape(-1, 3)
+    corners = np.array([line.split()[:3] for line in CORNERS.findall(text)], dtype=float).reshape(-1, 3)
     counts, lines = {"v": 0, "vt": 0, "vn": 0}, list[str]()
     for line in text.splitlines():
         kind, rest = [*line.split(None, 1), "", ""][:2]
@@ -231,10 +229,6 @@ def _triangulate_text(text: str, bare: bool) -> str:
             continue
         lines.append(line)
     return "\n".join(lines)
-
-
-def _numbers(line: str) -> list[float]:
-    return [float(word) for word in line.split()[:3]]
 
 
 def _absolute(word: str, counts: dict[str, int]) -> str:

@@ -31,12 +31,8 @@ class Encoder:
 
     def settings(self) -> dict[str, Any]:
         """What a feature store depends on."""
-        return {
-            "image_size": self.options.image_size,
-            "grid": self.options.grid,
-            "bins": GRADIENT_BINS,
-            "scales": CELL_STEPS,
-        }
+        size, grid = self.options.image_size, self.options.grid
+        return {"image_size": size, "grid": grid, "bins": GRADIENT_BINS, "scales": CELL_STEPS}
 
     def weights(self, depth: bool) -> NDArray[np.float32]:
         """Factors (272,) on gradients, normals and position."""

@@ -69,11 +69,7 @@ KNOWN = set(CANONICAL).union(*GROUPS.values())
 LIKE_SPELLING = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong; chosen
 FILLERS = {"set", "top", "unit", "piece", "furniture"}  # after the word that says what a thing is
 ASIDE = re.compile(r"[,(]| (?:with|on|in|under|and) ")  # what follows says more of a thing, not what it is
-SHARES = {
-    "word": 0.6,
-    "kind": 0.25,
-    "letters": 0.15,
-}  # of the similarity; letters tell among what has a word or kind in common
+SHARES = {"word": 0.6, "kind": 0.25, "letters": 0.15}  # letters tell among what has a word or kind in common
 
 
 def split_words(label: str) -> list[str]:
