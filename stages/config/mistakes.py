@@ -11,7 +11,6 @@ from roomkin.stages.contracts.errors import InputError, suggest_nearest
 from roomkin.stages.contracts.section import UNFIT
 
 M = TypeVar("M", bound=BaseModel)
-GONE = ("dbscan_eps", "dbscan_min_points")  # options of earlier versions
 
 
 class Mistake(NamedTuple):
@@ -40,10 +39,8 @@ def without_removed(value: Any, annotation: Any) -> Any:
     """`value` without the entries of free-key mappings that are null: so an overlay removes what the default has."""
     annotation = getattr(annotation, "__origin__", annotation) if hasattr(annotation, "__metadata__") else annotation
     if isinstance(annotation, type) and issubclass(annotation, BaseModel) and isinstance(value, dict):
-        fields = annotation.model_fields
-        return {
-            key: without_removed(item, fields[key].annotation) if key in fields else item for key, item in value.items()
-        }
+        fields = {key: field.annotation for key, field in annotation.model_fields.items()}
+        return {key: without_removed(item, fields.get(key)) for key, item in value.items()}
     if get_origin(annotation) is dict and get_args(annotation)[1] is not Any:
         inner = get_args(annotation)[1]
         items = value.items() if isinstance(value, dict) else ()
@@ -99,8 +96,7 @@ def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "")
         if detail["type"] == "extra_forbidden":
             what, code = "unknown key", "E-CONFIG-KEY"
             moved = tell_section(str(path[0]), detail["input"]) if len(path) == 1 else ""
-            gone = "leave it out: it is no option any more" if path[-1] in GONE else ""
-            mend = moved or gone or _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
+            mend = moved or _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
         elif detail["type"] == UNFIT:
             mend = detail["ctx"]["mend"]
         elif detail["type"] != "value_error":

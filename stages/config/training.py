@@ -1,6 +1,6 @@
 """Sections `demonstrations` (paper A.4, A.5) and `training` (B.3), and the words of tables for what they make."""
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
@@ -13,15 +13,10 @@ if TYPE_CHECKING:
     from roomkin.stages.config.model import Config
 
 
-Share = Annotated[float, Field(gt=0, le=1)]
-
-
 class MotionOptions(Section):
     """How the scripted skill moves."""
 
-    goal_margin: float = Field(
-        0.2, ge=0, le=0.5, description="open this fraction of the range further than success needs, then let go"
-    )
+    goal_margin: float = Field(0.2, ge=0, le=0.5, description="fraction of the range to open beyond what success needs")
     # Where Approach ends and Converge begins, metres (official: 0.13)
     pregrasp: ClassVar[float] = 0.1
     # How far ahead on its path the hand aims, metres
@@ -34,13 +29,9 @@ class RandomiseOptions(Section):
     """What training sets that end in _randomised draw anew per attempt (the physics after OpenAI et al. 2018)."""
 
     extents: Range = Field((0.6, 1.5), description="factor per axis on the asset's size, in place of task.scale_range")
-    friction: Range = Field(
-        (0.7, 1.3), description="factor on the friction of its surfaces, so of handle and fingers (OpenAI: 0.7 to 1.3)"
-    )
+    friction: Range = Field((0.7, 1.3), description="factor on the friction of its surfaces (OpenAI: 0.7 to 1.3)")
     mass: Range = Field((0.5, 2.0), description="factor on the mass of its links (OpenAI: 0.5 to 1.5)")
-    joint_friction: Range = Field(
-        (0.3, 3.0), description="factor on friction and damping of its joints (OpenAI: damping 0.3 to 3)"
-    )
+    joint_friction: Range = Field((0.3, 3.0), description="factor on its joints' friction, damping (OpenAI: 0.3 to 3)")
 
 
 class DemonstrationsConfig(MotionOptions):
@@ -59,15 +50,9 @@ class DemonstrationsConfig(MotionOptions):
         description="share of attempts in which the hand is pushed off its path, or closes before it is at the handle, "
         "and has to come again; recorded is what the skill asks for meanwhile, not what is executed",
     )
-    approach_speed: tuple[Share, Share] = Field(
-        (1.0, 1.0),
-        description="between these shares of a full step the approach advances, drawn per attempt: [0.5, 1] keeps "
-        "policies from counting steps",
-    )
     randomise: RandomiseOptions = Field(
         RandomiseOptions(),
-        description="Ranges of training sets that end in _randomised, log-uniform but for the extents; after OpenAI et "
-        "al., Learning Dexterous In-Hand Manipulation, Table 1.",
+        description="of sets that end in _randomised, log-uniform but for extents (OpenAI et al., Table 1)",
     )
     max_attempts_factor: float = Field(3.0, ge=1, description="attempts allowed per wanted episode")
 
@@ -102,13 +87,10 @@ def kind_in_words(config: PolicyConfig) -> str:
     traits = [] if config.policy == "bc_rnn_gmm" else [shorten_name(config.policy)]
     traits += ["handle flagged"] if config.handle else []
     traits += [] if has_eyes(config) else ["no cloud"]
-    return ", ".join(traits) or f"{read_width(config)}-wide network of the paper's kind"
-
-
-def read_width(config: PolicyConfig) -> int:
-    """How wide the PointNet of a policy of the paper's kind is."""
-    width: int = parse_kwargs(find_options("policies", config.policy), config.kwargs).model_dump()["pointnet_width"]
-    return width
+    if traits:
+        return ", ".join(traits)
+    options = parse_kwargs(find_options("policies", config.policy), config.kwargs).model_dump()
+    return f"{options['pointnet_width']}-wide network of the paper's kind"
 
 
 def about_policies(config: "Config") -> dict[str, PolicyAbout]:

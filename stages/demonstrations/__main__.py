@@ -3,9 +3,4 @@
 from roomkin.stages.cli import main
 
 if __name__ == "__main__":
-    main(
-        "roomkin.stages.demonstrations",
-        {
-            "collect": "run the skill on one asset until enough attempts succeed",
-        },
-    )
+    main("roomkin.stages.demonstrations", {"collect": "run the skill on one asset until enough attempts succeed"})

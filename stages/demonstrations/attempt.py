@@ -70,11 +70,8 @@ def write_episodes(
     from, beside `task_options`, which evaluation takes over.
     """
     first = episodes[0]
-    env_args = {
-        "env_name": environment,
-        "type": 2,  # robomimic's EnvType.GYM_TYPE
-        "env_kwargs": {"asset": first.asset, "joint": first.joint, "size": list(first.size)},
-    }
+    kwargs = {"asset": first.asset, "joint": first.joint, "size": list(first.size)}
+    env_args = {"env_name": environment, "type": 2, "env_kwargs": kwargs}  # robomimic's EnvType.GYM_TYPE
     with write_atomically(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
         data = file.create_group("data", track_order=True)
         data.attrs["env_args"] = json.dumps(env_args, sort_keys=True)
@@ -180,12 +177,9 @@ class Recorder:
         filming = self.film and not self.filmed
         rng = np.random.default_rng((seed, 1))
         disturbance = sample_disturbance(np.random.default_rng((seed, 2)), self.options.recovery)
-        speed = draw_approach_speed(seed, self.options)
         episode.recovery = disturbance.kind if disturbance else None
 
         def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
-            if ahead < FAR:
-                action = np.append(action[:6] * np.float32(speed), action[6:])
             executed = action.copy()
             if noisy and self.options.noise > 0:
                 executed[:3] += rng.normal(0, self.options.noise, 3) / task.options.position_step
@@ -202,8 +196,3 @@ class Recorder:
             clouds = [*episode.point_clouds, task.observe()["point_cloud"]]
             self.filmed.append(FilmedAttempt(seed, task.asset, task.opened, task.env.recording(moments), clouds))
         return episode, outcome
-
-
-def draw_approach_speed(seed: int, options: DemonstrationsConfig) -> float:
-    """The share of the full speed at which the hand approaches in the attempt `seed`."""
-    return float(np.random.default_rng((seed, 3)).uniform(*options.approach_speed))

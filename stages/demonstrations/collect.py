@@ -76,13 +76,10 @@ def run(
     if len(kept) < episodes:
         write_text(failed, lines)
         causes = ", ".join(f"{cause} {count}" for cause, count in Counter(a.cause for a in ledger).most_common())
-        raise InputError(
-            out,
-            f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {name} ({causes}); "
-            f"{failed} lists them.",
-            "raise demonstrations.max_attempts_factor, narrow the ranges of `task`, or choose another object",
-            code="E-DEMONSTRATIONS-FEW",
-        )
+        what = f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {name} ({causes}); "
+        what += f"{failed} lists them."
+        fix = "raise demonstrations.max_attempts_factor, narrow the ranges of `task`, or choose another object"
+        raise InputError(out, what, fix, code="E-DEMONSTRATIONS-FEW")
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
     write_episodes(out, kept, plan.task, task.task.gym_id, name, world, randomise)
@@ -99,20 +96,12 @@ def take_turns(
         recorder.task.turn_to(folder, entry.joint, entry.size)
         for attempt_seed in seeds[len(ledger) : len(ledger) + TRIES]:
             episode, outcome = recorder.attempt(attempt_seed)
-            ledger.append(
-                Attempt(
-                    attempt=len(ledger),
-                    asset=entry.asset,
-                    seed=attempt_seed,
-                    success=outcome.success,
-                    cause=outcome.cause,
-                    recovery=episode.recovery,
-                    retries=outcome.retries,
-                    steps=len(episode.actions),
-                    opened=round(recorder.task.opened, 4),
-                    episode=len(kept) if outcome.success else None,
-                )
-            )
+            line = Attempt(
+                attempt=len(ledger), asset=entry.asset, seed=attempt_seed, success=outcome.success, cause=outcome.cause,
+                recovery=episode.recovery, retries=outcome.retries, steps=len(episode.actions),
+                opened=round(recorder.task.opened, 4), episode=len(kept) if outcome.success else None,
+            )  # fmt: skip
+            ledger.append(line)
             if outcome.success:
                 kept.append(episode)
                 if due() or len(kept) == episodes:

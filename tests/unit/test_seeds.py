@@ -14,9 +14,8 @@ import torch
 from roomkin.plugins.furniture.catalogue import sample
 from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.config.experiment import ExperimentConfig
-from roomkin.stages.config.training import DemonstrationsConfig, RandomiseOptions
+from roomkin.stages.config.training import RandomiseOptions
 from roomkin.stages.contracts.policy_config import TaskConfig
-from roomkin.stages.demonstrations.attempt import draw_approach_speed
 from roomkin.stages.demonstrations.collect import attempt_seeds
 from roomkin.stages.evaluation.states import initial_states
 from roomkin.stages.policies.bc_rnn_gmm import Rollout
@@ -66,7 +65,6 @@ DRAWS: dict[str, Callable[[int], Any]] = {
     "initial state": lambda seed: str(sample_initial_state(seed, TaskConfig())),
     "camera": lambda seed: jitter(seed, 0, TaskConfig(camera_jitter=(0.1, 0.1))).tolist(),
     "noise of depth": noisy_cloud,
-    "speed": lambda seed: draw_approach_speed(seed, DemonstrationsConfig(approach_speed=(0.4, 0.6))),
     "factors": lambda seed: sample_factors(seed, RandomiseOptions()),
     "actions": random_actions,
     "batches": lambda seed: torch.rand(3, generator=generator(seed, 5)).tolist(),
