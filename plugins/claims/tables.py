@@ -11,7 +11,7 @@ from roomkin.stages.config.evaluation import TablesConfig
 from roomkin.stages.contracts.errors import count
 from roomkin.stages.tables.policy_tables import Kinds
 from roomkin.stages.tables.rows import CLOUDS, SKILL, records, row_title, set_key, target_title, title
-from roomkin.stages.tables.scene_tables import format_confidence
+from roomkin.stages.tables.table2 import format_confidence
 from roomkin.stages.tables.table3 import BASELINE, RANDOMISED
 from roomkin.stages.tables.text import NOT_RUN, NOTHING, TextTable, cell, interval, number, percent, points, read_notes
 

@@ -13,8 +13,7 @@ from roomkin.stages.contracts.errors import count
 from roomkin.stages.contracts.trained import TrainedPolicy
 from roomkin.stages.plugins import shorten_name
 from roomkin.stages.tables.rows import in_order, read_table, records, row_title, title
-from roomkin.stages.tables.text import NOTHING, TextTable, cell, number, read_notes
-from roomkin.stages.tables.writing import write
+from roomkin.stages.tables.text import NOTHING, TextTable, cell, number, read_notes, write
 
 ALIKE = ["target", "policy", "run"]  # trainings whose losses can be compared: one target's assets, one method
 COLUMNS = [

@@ -29,7 +29,7 @@ from roomkin.stages.contracts.errors import count, describe_size
 from roomkin.stages.contracts.files import read_json, read_options, read_text, write_text
 from roomkin.stages.contracts.generated import measure_place_sureness, measure_sureness
 from roomkin.stages.contracts.library import Library
-from roomkin.stages.tables import policy_tables, scene_tables, table2
+from roomkin.stages.tables import policy_tables, table2
 from roomkin.stages.tables.policy_tables import join_published, kinds_of, policy_notes
 from roomkin.stages.tables.rows import CELL, RATE, published_policies, read_table, records
 from roomkin.stages.tables.rows import title as title_of
@@ -120,7 +120,7 @@ def _tables(files: RunFiles, published: Path, options: PolicyTables) -> dict[str
             *([] if failed(trainings) else trained),
         ],
         "tables": [
-            *table(scene_tables.scenes_table, "table2", options),
+            *table(table2.scenes_table, "table2", options),
             *table(robustness_table, "table2_robustness"),
             *table(policy_tables.policies_table, "table3_cells", paper, options, kinds, notes),
             *table(claim_tables.stability_table, "table3_stability"),

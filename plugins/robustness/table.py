@@ -8,11 +8,9 @@ import pandas as pd
 
 from roomkin.stages.contracts.policies import SceneScore
 from roomkin.stages.tables.rows import ONE_SCENE, read_rows, records, title
-from roomkin.stages.tables.scene_tables import add_given, digits
-from roomkin.stages.tables.table2 import AFFORDANCES, COUNTS, first_rank, judge
+from roomkin.stages.tables.table2 import AFFORDANCES, COUNTS, add_given, digits, first_rank, judge
 from roomkin.stages.tables.table2 import METRICS as SCENE_METRICS
-from roomkin.stages.tables.text import NOT_RUN, NOTHING, TextTable, cell, read_notes, spread
-from roomkin.stages.tables.writing import write
+from roomkin.stages.tables.text import NOT_RUN, NOTHING, TextTable, cell, read_notes, spread, write
 
 METRICS = [name for name in SCENE_METRICS if name != "l2_cm"]
 SHAPES = ["chamfer", "shape_iou"]

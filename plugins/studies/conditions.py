@@ -11,8 +11,7 @@ from roomkin.stages.contracts.errors import InputError, count
 from roomkin.stages.contracts.files import read_options
 from roomkin.stages.tables.policy_tables import read_pooled
 from roomkin.stages.tables.rows import CELL, SKILL, in_order, rates, records, row_title, tabulate_gains, title
-from roomkin.stages.tables.text import TextTable, cell, percent, points, span
-from roomkin.stages.tables.writing import write
+from roomkin.stages.tables.text import TextTable, cell, percent, points, span, write
 
 ENDS = {"difference": "difference", "low": "difference_low", "high": "difference_high"}
 COLUMNS = [*CELL, "task", "condition", "assets", "runs", "episodes", "successes", "mean", "low", "high", *ENDS.values()]

@@ -45,9 +45,8 @@ from roomkin.stages.tables.policy_tables import (
     read_rollouts,
 )
 from roomkin.stages.tables.rows import ONE_SCENE, SKILL, SPLITS, published_scenes, read_rows, target_title, title
-from roomkin.stages.tables.scene_tables import scenes_table
-from roomkin.stages.tables.text import TextTable
-from roomkin.stages.tables.writing import write_csv
+from roomkin.stages.tables.table2 import scenes_table
+from roomkin.stages.tables.text import TextTable, write_csv
 
 SCENE_STAGES = ["assets", "scenes", "extraction", "matching", "generation", "evaluation", "tables"]
 POLICY_STAGES = ["demonstrations", "training", "evaluation"]

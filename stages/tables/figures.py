@@ -13,7 +13,6 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from numpy.typing import NDArray
 
 from roomkin.stages.contracts.files import write_atomically
 from roomkin.stages.contracts.images import read_narrow
@@ -91,18 +90,11 @@ def save(figure: Figure, folder: Path, name: str, formats: tuple[str, ...] = ("s
 
 
 def figure6(pictures: dict[tuple[str, str], Path], rooms: list[str], width: int) -> Figure:
-    """A grid of comparison pictures (input beside reconstruction): a row per room, a column per variant.
-
-    Args:
-        pictures: (room, variant) -> picture; the variant may be ''.
-        rooms: rooms that get a row even if they were not run.
-        width: of a picture, pixels at most.
-    """
+    """A grid of comparison pictures (input beside reconstruction), `width` pixels at most: a row per room, also of
+    those in `rooms` that were not run, a column per variant, which may be ''."""
     names = sorted({*rooms, *(room for room, _ in pictures)}, key=sort_key)
     variants = sorted({variant for _, variant in pictures}) or [""]
-    images: dict[tuple[str, str], NDArray[np.uint8]] = {
-        key: np.asarray(read_narrow(path, width)) for key, path in pictures.items()
-    }
+    images = {key: np.asarray(read_narrow(path, width)) for key, path in pictures.items()}
     ratio = max((image.shape[0] / image.shape[1] for image in images.values()), default=0.4)
     missing = [name for name in names if not any((name, variant) in images for variant in variants)]
     heights = [0.05 if name in missing else ratio for name in names]
@@ -181,9 +173,8 @@ def figure4(cells: pd.DataFrame, published: pd.DataFrame, more: Panels | None = 
     first = 0 if more is None else more.columns
     columns = first + (2 if len(cells) and any(len(of_row(published, row)) for row in rows) else 1)
     width = max(4.6, 2.9 * columns)  # four panels are as wide as a page, so that their text is not shrunk
-    figure, axes = plt.subplots(
-        len(rows), columns, figsize=(width, 3.0 * len(rows) + 0.3), squeeze=False, layout="constrained"
-    )
+    size = (width, 3.0 * len(rows) + 0.3)
+    figure, axes = plt.subplots(len(rows), columns, figsize=size, squeeze=False, layout="constrained")
     for panels, row in zip(axes, rows, strict=True):
         if more is not None:
             more.draw(panels[:first], row)

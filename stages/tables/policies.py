@@ -13,8 +13,7 @@ from roomkin.stages.tables import policy_tables, table3
 from roomkin.stages.tables.figures import Panels, figure4, figure9, save, style
 from roomkin.stages.tables.policy_tables import join_published, kinds_of, policy_notes, pool_rollouts, read_rollouts
 from roomkin.stages.tables.rows import CELL, ROW, published_policies, published_runs
-from roomkin.stages.tables.text import TextTable
-from roomkin.stages.tables.writing import write, write_csv
+from roomkin.stages.tables.text import TextTable, write, write_csv
 
 KNOWN = [*ROW, "cloud"]  # what is known of a row before it is rolled out
 NOTHING_ASKED = pd.DataFrame(columns=[*CELL, "task", "cloud"])
@@ -51,17 +50,14 @@ def collect(
 ) -> PolicyResults:
     """The frames of some rollouts (as `read_pooled` gives them); cells in `asked` without rollouts are `not run`."""
     ours = pd.concat([asked[KNOWN], rollouts[KNOWN]]).drop_duplicates()
-    paper, per_run = (
-        join_published(table, ours, options) for table in (published_policies(published), published_runs(published))
-    )
+    tables = published_policies(published), published_runs(published)
+    paper, per_run = (join_published(table, ours, options) for table in tables)
     return PolicyResults(
         rollouts=rollouts,
         runs=table3.build(rollouts, pd.concat([asked, paper])[[*CELL, "task"]].drop_duplicates(), options),
-        cells=table3.cells(rollouts, options),
-        differences=table3.differences(rollouts, options),
-        published=paper,
+        cells=table3.cells(rollouts, options), differences=table3.differences(rollouts, options), published=paper,
         published_runs=per_run,
-    )
+    )  # fmt: skip
 
 
 def write_figures(

@@ -14,18 +14,14 @@ from roomkin.stages.contracts.errors import InputError, count
 from roomkin.stages.contracts.policies import Rollout
 from roomkin.stages.plugins import shorten_name
 from roomkin.stages.tables.rows import CELL, CLOUDS, ONE_TEST, SKILL, read_rows, records, set_key, target_title, title
-from roomkin.stages.tables.scene_tables import format_confidence
+from roomkin.stages.tables.table2 import format_confidence
 from roomkin.stages.tables.text import NOT_RUN, TextTable, cell, interval, number, percent, read_notes
 
 Kinds = Mapping[str, str]  # policy -> what it is, in words
 
 
 def read_rollouts(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
-    """All rows of some files of `Rollout`.
-
-    Raises:
-        InputError: rows of a policy are of several checkpoints, or of more runs than selection rollouts choose.
-    """
+    """All rows of some files of `Rollout`, looked over by `check_methods`."""
     rollouts = read_rows(Rollout, paths, ONE_TEST)
     check_methods(rollouts, options)
     return rollouts
@@ -37,11 +33,8 @@ def read_pooled(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
 
 
 def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
-    """Refuse rows that would count as several runs of a method and are not.
-
-    Raises:
-        InputError: rows of a policy are of several checkpoints, or of more runs than selection rollouts choose.
-    """
+    """Refuse rows that would count as several runs of a method: of several checkpoints, or of more runs than selection
+    rollouts choose."""
     policy = ["target", "policy", "training_set", "run", "seed"]
     for key, checkpoints in rollouts.groupby(policy)["checkpoint"]:
         if checkpoints.nunique() > 1:
@@ -51,9 +44,8 @@ def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
         best = options.policies[name].best if name in options.policies else None
         if runs.nunique() > (best or 1):
             what = f"hold the runs {' and '.join(sorted(set(runs)))} of {target}/{name}/{training_set}."
-            raise InputError(
-                "--rollouts", what, "give those that were selected, or make each a policy", code="E-RUNS-MIXED"
-            )
+            fix = "give those that were selected, or make each a policy"
+            raise InputError("--rollouts", what, fix, code="E-RUNS-MIXED")
 
 
 def kinds_of(options: PolicyTables) -> dict[str, str]:
@@ -132,12 +124,8 @@ def policies_table(
     kinds: Kinds | None = None,
     notes: Sequence[str] = (),
 ) -> TextTable:
-    """Table 3, laid out as in the paper: a row per test asset, a column per set.
-
-    Args:
-        table: as `table3.cells` gives.
-        published: the paper's, beside ours (`methods.join_published`).
-    """
+    """Table 3 of `table3.cells`, laid out as in the paper, whose values stand beside ours: a row per test asset, a
+    column per set."""
     ours, theirs = ({tuple(row[name] for name in CELL): row for row in records(one)} for one in (table, published))
     every = theirs | ours
     sets, order = sorted({key[3] for key in every}, key=set_key), [key[:2] for key in (*ours, *theirs)]

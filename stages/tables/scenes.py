@@ -9,8 +9,8 @@ from roomkin.stages.contracts.policies import SceneScore
 from roomkin.stages.tables import table2
 from roomkin.stages.tables.figures import figure6, save, style
 from roomkin.stages.tables.rows import ONE_SCENE, published_scenes, read_rows
-from roomkin.stages.tables.scene_tables import scenes_table
-from roomkin.stages.tables.writing import write
+from roomkin.stages.tables.table2 import scenes_table
+from roomkin.stages.tables.text import write
 
 
 def parse_comparisons(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str, str], Path]:
@@ -19,9 +19,8 @@ def parse_comparisons(items: tuple[str, ...], flag: str = "--comparisons") -> di
     for item in items:
         name, sign, path = item.partition("=")
         if not (name and sign and path):
-            raise InputError(
-                flag, f"'{item}' is not room=picture.", "write e.g. room_1=picture.png", code="E-PICTURE-NAME"
-            )
+            what, fix = f"'{item}' is not room=picture.", "write e.g. room_1=picture.png"
+            raise InputError(flag, what, fix, code="E-PICTURE-NAME")
         room, _, variant = name.partition("/")
         pictures[room, variant] = Path(path)
     return pictures

@@ -23,12 +23,8 @@ def of_test_assets(rollouts: pd.DataFrame) -> pd.DataFrame:
 
 
 def build(rollouts: pd.DataFrame, asked: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
-    """One row per (target, policy, test asset, training set, run, seed) with `ALL_COLUMNS`.
-
-    Args:
-        rollouts: rows of `Rollout`.
-        asked: cells with their task; one without rollouts becomes one row `not run`.
-    """
+    """One row per (target, policy, test asset, training set, run, seed) with `ALL_COLUMNS`; a cell of `asked`, with its
+    task, that has no rollouts becomes one row `not run`."""
     rows: list[dict[str, Any]] = []
     keys = [*CELL, "run", "seed", "checkpoint"]
     for key, group in of_test_assets(rollouts).groupby(keys, sort=False):
@@ -44,11 +40,8 @@ def build(rollouts: pd.DataFrame, asked: pd.DataFrame, options: TablesConfig) ->
             | {"wilson_low": low, "wilson_high": high, "status": "run"}
         )
     ran = {tuple(row[name] for name in CELL) for row in rows}
-    rows += [
-        cell | {"status": "not run"}
-        for cell in records(asked[[*CELL, "task"]])
-        if tuple(cell[name] for name in CELL) not in ran
-    ]
+    lacking = [cell for cell in records(asked[[*CELL, "task"]]) if tuple(cell[name] for name in CELL) not in ran]
+    rows += [cell | {"status": "not run"} for cell in lacking]
     table = in_order(pd.DataFrame(rows, columns=ALL_COLUMNS), keys)
     table = table.sort_values("policy", key=lambda policy: policy == "", kind="stable")  # the paper's alone at the end
     return table.astype(dict.fromkeys(["seed", "episodes", "successes", "official_successes"], "Int64"))

@@ -1,4 +1,4 @@
-"""Numbers and names as text; tables and notes in Markdown and HTML."""
+"""Numbers and names as text; tables and notes in Markdown and HTML, and as the files that the commands write."""
 
 import math
 import re
@@ -7,10 +7,13 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import compress, groupby
 from operator import itemgetter
+from pathlib import Path
 from typing import Any
 
 import jinja2
 import pandas as pd
+
+from roomkin.stages.contracts.files import write_text
 
 NOT_RUN = "not run"
 NOTHING = "–"
@@ -117,12 +120,9 @@ def environment(package: str = "roomkin.stages.tables") -> jinja2.Environment:
     """Templates of a package, then those beside this module; HTML is escaped, an undefined name is an error."""
     return jinja2.Environment(
         loader=jinja2.ChoiceLoader([jinja2.PackageLoader(name, ".") for name in (package, "roomkin.stages.tables")]),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True,
-    )
+    )  # fmt: skip
 
 
 def read_notes(name: str, package: str = "roomkin.stages.tables", **values: Any) -> list[str]:
@@ -154,3 +154,15 @@ def latex(tables: list[TextTable]) -> str:
         )
         parts += [f"% {note}\n" for note in table.notes]
     return "\n".join(parts)
+
+
+def write_csv(path: Path, table: pd.DataFrame) -> None:
+    """A table as CSV, numbers with six digits."""
+    write_text(path, table.to_csv(index=False, lineterminator="\n", float_format="%.6g"))
+
+
+def write(out: Path, name: str, table: pd.DataFrame, tables: list[TextTable]) -> None:
+    """`name`.csv, and the tables about it as .html and .tex."""
+    write_csv(out / f"{name}.csv", table)
+    write_text(out / f"{name}.html", html(tables, tables[0].caption))
+    write_text(out / f"{name}.tex", latex(tables))

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from roomkin.stages.config.evaluation import PolicyTables, TablesConfig
 from roomkin.stages.contracts.policies import Rollout, SceneScore
-from roomkin.stages.tables import policies, policy_tables, scene_tables, scenes, table2, table3
+from roomkin.stages.tables import policies, policy_tables, scenes, table2, table3
 from roomkin.stages.tables.figures import draw_rates, figure9
 from roomkin.stages.tables.intervals import t_interval, wilson
 from roomkin.stages.tables.policy_tables import join_published
@@ -132,7 +132,7 @@ def test_table2_counts_what_a_cousin_is_for() -> None:
     table = scene_cells(scores)
     row = cell(table, scene="room_1", variant="b")
     assert [row[name] for name in table2.COUSINS] == [pytest.approx(0.7), pytest.approx(0.02**0.5), 2, 2, 0, 1, 2]
-    shown = scene_tables.scenes_table(table, OPTIONS)
+    shown = table2.scenes_table(table, OPTIONS)
     assert next(each for each in shown.rows if each[1] == "(b)")[-1] == "0.70 ± 0.14\n2, 0, 1 of 2"
 
 
@@ -172,14 +172,14 @@ def test_table2_says_what_is_given_and_what_a_judge_is_read_against() -> None:
     rows = [score(), score(protocol="noise", draw=1)]
     for baseline in (False, True):
         rows += [score(variant="no-image"), score(variant="no-image", protocol="noise", draw=1)] if baseline else []
-        shown = scene_tables.scenes_table(scene_cells(rows), OPTIONS)
+        shown = table2.scenes_table(scene_cells(rows), OPTIONS)
         assert any("given the true label" in note for note in shown.notes)
         assert any("sees no picture" in note for note in shown.notes) == baseline
 
 
 @pytest.mark.parametrize("judge", ["geometry", "geometry, no language model"])
 def test_table2_says_what_a_stand_in_can_tell(judge: str) -> None:
-    shown = scene_tables.scenes_table(scene_cells([score(model_judge=judge)]), OPTIONS)
+    shown = table2.scenes_table(scene_cells([score(model_judge=judge)]), OPTIONS)
     assert any("cannot tell what a language model" in note for note in shown.notes) == (judge != "geometry")
 
 
@@ -194,7 +194,7 @@ def test_table2_names_the_judge_of_every_row() -> None:
         assert cell(table, scene=scene, variant="d")["judge"] == mixed
     assert cell(table, scene="room_2", variant="c")["judge"] == "vlm toy"
     assert cell(table, scene="room_3", variant="b")["judge"] == ""
-    shown = scene_tables.scenes_table(table, OPTIONS)
+    shown = table2.scenes_table(table, OPTIONS)
     judges = {row[2] for row in shown.rows}
     assert judges == {mixed, "vlm toy", ""}  # rows that were not run have none
 
