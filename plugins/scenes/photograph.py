@@ -16,7 +16,7 @@ from roomkin.plugins.scenes.recipe import RoomPlan, ScenesConfig
 from roomkin.stages.articulated.asset_folder import write_asset
 from roomkin.stages.articulated.resizing import load_maker, resize_model
 from roomkin.stages.contracts import Asset, InputError
-from roomkin.stages.contracts.library import Vector
+from roomkin.stages.contracts.types import Vector
 from roomkin.stages.geometry.frames import scale_intrinsics
 from roomkin.stages.simulation.loading import load_asset, root_pose
 from roomkin.stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene

@@ -12,8 +12,8 @@ import numpy as np
 from roomkin.stages.articulated.asset_folder import Description, read_asset, read_model, write_asset
 from roomkin.stages.articulated.model import Link, Matrix, RobotModel, link_frames
 from roomkin.stages.contracts.errors import InputError, ObjectError
-from roomkin.stages.contracts.library import Asset, Finish, Recipe, Vector
-from roomkin.stages.contracts.types import LARGEST
+from roomkin.stages.contracts.library import Asset, Finish, Recipe
+from roomkin.stages.contracts.types import LARGEST, Vector
 from roomkin.stages.geometry.frames import make_transform
 from roomkin.stages.plugins import load_all
 

@@ -18,28 +18,7 @@ from roomkin.stages.contracts.policies import Attempt, Rollout, SceneScore, Task
 from roomkin.stages.contracts.scenes import Annotations, Camera, Truth
 
 __all__ = [
-    "Annotations",
-    "Asset",
-    "Attempt",
-    "Camera",
-    "Contract",
-    "Cousins",
-    "GeneratedScene",
-    "InputError",
-    "LeftOut",
-    "Library",
-    "LibraryEntry",
-    "LibraryPart",
-    "Objects",
-    "Rollout",
-    "SceneScore",
-    "SnapshotShard",
-    "TaskAssets",
-    "Truth",
-    "read_json",
-    "read_options",
-    "read_text",
-    "write_atomically",
-    "write_json",
-    "write_text",
-]
+    "Annotations", "Asset", "Attempt", "Camera", "Contract", "Cousins", "GeneratedScene", "InputError", "LeftOut",
+    "Library", "LibraryEntry", "LibraryPart", "Objects", "Rollout", "SceneScore", "SnapshotShard", "TaskAssets",
+    "Truth", "read_json", "read_options", "read_text", "write_atomically", "write_json", "write_text",
+]  # fmt: skip

@@ -25,11 +25,8 @@ def pack(folder: Path, out: Path) -> None:
 
 
 def unpack(path: Path, fix: str, below: str = "") -> Path:
-    """A folder with the files of an archive, or with those whose names begin with `below`, until the process ends.
-
-    Raises:
-        InputError: it is no archive, is damaged, or a name leads out of it.
-    """
+    """A folder with the files of an archive, or with those whose names begin with `below`, until the process ends. A
+    name that leads out of it is refused."""
     with open_archive(path, fix) as archive:
         names = [name for name in archive.namelist() if name.startswith(below) and not name.endswith("/")]
         content = {name: archive.read(name) for name in names}
@@ -51,9 +48,8 @@ def open_archive(path: Path, fix: str) -> Iterator[zipfile.ZipFile]:
     except FileNotFoundError:
         raise file_missing(path, fix) from None
     except UNREADABLE as error:
-        raise InputError(
-            path, f"is no zip archive that can be read ({error}).", fix, code="E-FILE-UNREADABLE"
-        ) from None
+        what = f"is no zip archive that can be read ({error})."
+        raise InputError(path, what, fix, code="E-FILE-UNREADABLE") from None
 
 
 @cache

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roomkin.stages.contracts import files
 from roomkin.stages.contracts.errors import InputError, explain, file_missing
 
 if TYPE_CHECKING:
@@ -38,24 +39,14 @@ def explain_unreadable(path: Path, what: str, fix: str = "") -> Iterator[None]:
 
 
 def check_file(path: Path, fix: str = "") -> None:
-    """Refuse what is there and would be read for ever, or fill the memory.
-
-    Raises:
-        InputError: a folder, a pipe or a device, or more than `MAX_BYTES`.
-    """
-    path = Path(path)
-    if path.exists() and not path.is_file():
-        raise InputError(path, "is no file, but a folder, a pipe or a device.", fix, code="E-FILE-UNREADABLE")
+    """Refuse what is there and would be read for ever (see `files.check_file`), or fill the memory."""
+    files.check_file(path, fix)
     if path.exists() and (size := path.stat().st_size) > MAX_BYTES:
         raise InputError(path, f"has {size / 1e9:.1f} GB.", fix, code="E-FILE-LARGE")
 
 
 def read_npz(path: Path, fix: str = "") -> dict[str, NDArray[Any]]:
-    """All arrays of an npz file.
-
-    Raises:
-        InputError: it is missing, broken, holds pickled objects, or would fill the memory.
-    """
+    """All arrays of an npz file; `InputError`: it is missing, broken, too large, or holds pickled objects."""
     with explain_unreadable(path, "npz file", fix), np.load(path, allow_pickle=False) as arrays:
         size = sum(entry.file_size for entry in arrays.zip.infolist())
         if size > MAX_BYTES:
@@ -99,6 +90,5 @@ def check_within(where: object, name: str, array: Any, low: float, high: float, 
             raise InputError(where, f"{name}: holds NaN or infinity.", fix, code="E-ARRAY-VALUES")
         if part.size and (part.min() < low or part.max() > high):
             worst = float(part.min() if part.min() < low else part.max())
-            raise InputError(
-                where, f"{name}: holds {worst:g}, which is not within {low:g} and {high:g}.", fix, code="E-ARRAY-VALUES"
-            )
+            what = f"{name}: holds {worst:g}, which is not within {low:g} and {high:g}."
+            raise InputError(where, what, fix, code="E-ARRAY-VALUES")

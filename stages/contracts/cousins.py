@@ -37,9 +37,7 @@ class Candidate(Judged):
 
     asset: Id
     category: Id
-    distance: NonNegative = Field(
-        description="mean nearest-patch L2 distance without the worst 10 %, and what else counts: `parts`"
-    )
+    distance: NonNegative = Field(description="mean nearest-patch L2 distance but for the worst 10 %, and `parts`")
     parts: dict[str, NonNegative] = Field(
         {}, description="what distance is the sum of, by name, if more than patches count: patches, label, size, ..."
     )

@@ -88,12 +88,9 @@ class DoubtKind(Enum):
     UNUSUAL_SIZE = ("size", "{what}", 0.6, 1.25)
     # The chance that every extent is within 10 % or 3 cm: of 86 surer ones 52 were right, of 100 others 23 (open.md).
     SIZE_UNSURE = (
-        "size",
-        "its size is right within 10 % or 3 cm with a chance of {share:.0f} % (width ±{width:.0f} %, "
-        "depth ±{depth:.0f} %, height ±{height:.0f} %)",
-        None,
-        0.5,
-    )
+        "size", "its size is right within 10 % or 3 cm with a chance of {share:.0f} % (width ±{width:.0f} %, "
+        "depth ±{depth:.0f} %, height ±{height:.0f} %)", None, 0.5,
+    )  # fmt: skip
     # m by which the model is deeper than its box, chosen: more than boxes of clouds are off.
     JUTS = ("size", "reaches {distance:.0f} cm before the front that the picture shows", 0.8, 0.15)
     STRETCHED = ("size", "no cousin has its size: this one is stretched {times:.1f} times", 0.7)

@@ -19,47 +19,34 @@ from roomkin.stages.contracts.policy_config import TaskConfig
 from roomkin.stages.contracts.trained import MetricsLine
 from roomkin.stages.contracts.types import LARGEST
 
-COLLECT, TRAIN = "collect the demonstrations again", "train the policy again"
+AGAIN, TRAIN = "collect the demonstrations again", "train the policy again"
+disordered = partial(InputError, code="E-LEDGER-ORDER")
 
 
 def read_attempts(path: Path) -> list[Attempt]:
-    """attempts.jsonl: numbered from 0 without gaps, and so are the episodes that were kept.
-
-    Raises:
-        InputError: it is missing or empty, or a line is broken or out of order.
-    """
-    attempts = read_lines(Attempt, path, COLLECT)
+    """attempts.jsonl: numbered from 0 without gaps, and so are the episodes that were kept; else an `InputError`."""
+    attempts = read_lines(Attempt, path, AGAIN)
     kept = 0
     for number, attempt in enumerate(attempts):
         if attempt.attempt != number:
-            raise InputError(
-                f"{path}:{number + 1}", f"attempt: is {attempt.attempt}, not {number}.", COLLECT, code="E-LEDGER-ORDER"
-            )
+            raise disordered(f"{path}:{number + 1}", f"attempt: is {attempt.attempt}, not {number}.", AGAIN)
         if attempt.episode is not None:
             if attempt.episode != kept or not attempt.success:
                 why = f"{kept} successes were kept before" if attempt.success else "the attempt did not succeed"
-                what = f"episode: is {attempt.episode}, but {why}."
-                raise InputError(f"{path}:{number + 1}", what, COLLECT, code="E-LEDGER-ORDER")
+                raise disordered(f"{path}:{number + 1}", f"episode: is {attempt.episode}, but {why}.", AGAIN)
             kept += 1
     return attempts
 
 
 def read_metrics(path: Path) -> list[dict[str, float | None]]:
-    """The lines of metrics.jsonl: finite numbers by name, among them a growing `step`.
-
-    Raises:
-        InputError: it is missing or empty, or a line is broken (file and line named).
-    """
+    """The lines of metrics.jsonl: finite numbers by name, among them a growing `step`; else an `InputError`."""
     lines = [line.root for line in read_lines(MetricsLine, path, TRAIN)]
     for number, (one, next) in enumerate(pairwise(lines), 2):
         if next["step"] <= one["step"]:  # type: ignore[operator]
-            raise InputError(
-                f"{path}:{number}", f"step: {next['step']} comes after {one['step']}.", TRAIN, code="E-LEDGER-ORDER"
-            )
+            raise disordered(f"{path}:{number}", f"step: {next['step']} comes after {one['step']}.", TRAIN)
     return lines
 
 
-AGAIN = "collect the demonstrations again"
 ACTION, PROPRIO = 7, 9
 QUATERNION, UNIT = slice(3, 7), 0.01  # columns of proprioception, and how far their norm may be off 1
 LIMIT = 1.001  # actions are within [-1, 1], but for rounding
@@ -82,12 +69,8 @@ class EpisodeStore:
 
 
 def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
-    """The first `count` episodes of a store (None: all).
-
-    Raises:
-        InputError: it is missing or broken, has too few episodes, arrays of another shape or of unequal lengths, or
-            values that are not finite or out of bounds.
-    """
+    """The first `count` episodes of a store (None: all), which must have so many, of the shapes of its options, finite
+    and within bounds."""
     with explain_unreadable(path, "episode store", AGAIN), h5py.File(path, "r") as file:
         data = file.get("data")
         if not isinstance(data, h5py.Group):
@@ -98,12 +81,8 @@ def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
         except ValidationError as error:
             raise broken(path, f"task_options: {first_error(error)}.") from None
         if count is not None and len(data) < count:
-            raise InputError(
-                path,
-                f"has {len(data)} episodes, {count} are asked for.",
-                "collect more demonstrations",
-                code="E-EPISODES-FEW",
-            )
+            what = f"has {len(data)} episodes, {count} are asked for."
+            raise InputError(path, what, "collect more demonstrations", code="E-EPISODES-FEW")
         if not len(data):
             raise InputError(path, "has no episodes.", AGAIN, code="E-EPISODES-FEW")
         names = [f"demo_{i}" for i in range(count or len(data))]

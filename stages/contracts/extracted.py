@@ -28,9 +28,8 @@ def read_object_masks(path: Path, objects: Objects) -> NDArray[np.uint16]:
     check_size(file, masks, objects.width, objects.height, path.name)
     strangers = sorted(set(np.unique(masks).tolist()) - {0} - {item.mask for item in objects.objects})
     if strangers:
-        raise InputError(
-            file, f"holds the value {strangers[0]}, which no object of {path.name} has.", AGAIN, code="E-MASK-VALUE"
-        )
+        what = f"holds the value {strangers[0]}, which no object of {path.name} has."
+        raise InputError(file, what, AGAIN, code="E-MASK-VALUE")
     return masks
 
 
@@ -63,15 +62,10 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
         cloud = clouds[item.id]
         check_array(file, item.id, cloud, ("N", 3))
         if len(cloud) < 3:
-            raise InputError(
-                file,
-                f"{item.id}: has {len(cloud)} points.",
-                "an object with fewer than 3 has failed",
-                code="E-CLOUD-BROKEN",
-            )
+            fix = "an object with fewer than 3 has failed"
+            raise wrong_cloud(file, f"{item.id}: has {len(cloud)} points.", fix=fix)
         if item.points and item.points != len(cloud):
-            what = f"{item.id}: has {len(cloud)} points, {path.name} says {item.points}."
-            raise wrong_cloud(file, what)
+            raise wrong_cloud(file, f"{item.id}: has {len(cloud)} points, {path.name} says {item.points}.")
         check_within(file, item.id, cloud, -FARTHEST, FARTHEST)
         if item.box is not None and not item.whole and is_elsewhere(item.box, cloud):
             raise wrong_cloud(file, f"{item.id}: is not where its box of {path.name} is.")
@@ -81,9 +75,8 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
 def is_elsewhere(box: Box, cloud: NDArray[np.floating]) -> bool:
     """Whether half of a cloud (N, 3) lies beside or below its box, or all but `WITHIN` of it above."""
     level = np.minimum(cloud, [np.inf, np.inf, box.center[2] + box.size[2] / 2])
-    return bool(
-        np.median(measure_outside(box, level)) > BESIDE or np.quantile(measure_outside(box, cloud), WITHIN) > BESIDE
-    )
+    beside, outside = np.median(measure_outside(box, level)), np.quantile(measure_outside(box, cloud), WITHIN)
+    return bool(max(beside, outside) > BESIDE)
 
 
 def measure_outside(box: Box, cloud: NDArray[np.floating]) -> NDArray[np.float64]:

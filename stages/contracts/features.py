@@ -18,11 +18,7 @@ MAKE_SNAPSHOTS = "run `roomkin assets snapshots` again"
 
 
 def open_snapshots(path: Path) -> tuple[SnapshotShard, h5py.File]:
-    """The sidecar of a shard (`path` with .h5 or .json) and its file, open for reading; the pictures are not read yet.
-
-    Raises:
-        InputError: one is missing or broken, or arrays are not as the sidecar says.
-    """
+    """The sidecar of a shard (`path` with .h5 or .json) and its file, open and of the shape that it says, not read."""
     sidecar = read_json(SnapshotShard, path.with_suffix(".json"), MAKE_SNAPSHOTS)
     path = path.with_suffix(".h5")
     with explain_unreadable(path, "snapshot file", MAKE_SNAPSHOTS):
@@ -39,12 +35,8 @@ def check_snapshots(path: Path) -> None:
     with file, explain_unreadable(path.with_suffix(".h5"), "snapshot file", MAKE_SNAPSHOTS):
         for number, asset in enumerate(sidecar.assets):
             if not np.any(file["depth"][number, -1]):
-                raise InputError(
-                    path.with_suffix(".h5"),
-                    f"depth: '{asset}' is not in its picture.",
-                    MAKE_SNAPSHOTS,
-                    code="E-CONTRACT-BROKEN",
-                )
+                where, what = path.with_suffix(".h5"), f"depth: '{asset}' is not in its picture."
+                raise InputError(where, what, MAKE_SNAPSHOTS, code="E-CONTRACT-BROKEN")
 
 
 MAKE_FEATURES = "run `roomkin matching features` again with the present options"
@@ -64,9 +56,7 @@ class FeatureIndex(Document):
     upright: bool = Field(description="whether normals are upright (the snapshot camera's elevation was known)")
     assets: list[Id]
     yaws: list[Angle] = Field(min_length=1, description="radians; views in this order, then the representative")
-    starts: list[Count] = Field(
-        description="first row of view v of asset a at a * (len(yaws) + 1) + v; the last is the count"
-    )
+    starts: list[Count] = Field(description="first row of view v of asset a at a * (len(yaws) + 1) + v; then how many")
 
     @model_validator(mode="after")
     def _complete(self) -> "FeatureIndex":
@@ -79,11 +69,7 @@ class FeatureIndex(Document):
 
 
 def open_features(path: Path) -> tuple[FeatureIndex, NDArray[Any]]:
-    """The index of a shard (`path` with .npy or .json) and its rows, still on disk.
-
-    Raises:
-        InputError: one is missing or broken, or there are not as many rows as the index says.
-    """
+    """The index of a shard (`path` with .npy or .json) and its rows, as many as it says, still on disk."""
     index = read_json(FeatureIndex, path.with_suffix(".json"), MAKE_FEATURES)
     path = path.with_suffix(".npy")
     with explain_unreadable(path, "npy file", MAKE_FEATURES):
@@ -93,11 +79,7 @@ def open_features(path: Path) -> tuple[FeatureIndex, NDArray[Any]]:
 
 
 def open_companion(path: Path, index: FeatureIndex, rows: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """The arrays beside the rows of a shard (`path` with .npz): `wholes`, and for compressed rows their codec.
-
-    Raises:
-        InputError: it is missing or broken, or arrays do not fit each other.
-    """
+    """The arrays beside the rows of a shard (`path` with .npz): `wholes`, and for compressed rows their codec."""
     path = path.with_suffix(".npz")
     parts = read_npz(path, MAKE_FEATURES)
     if (rows.dtype.kind == "i") != ("components" in parts):

@@ -56,13 +56,8 @@ def ask_before_writing(path: Path) -> None:
 
 @contextmanager
 def write_atomically(path: Path) -> Iterator[Path]:
-    """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds.
-
-    The checksum of a result is recorded.
-
-    Raises:
-        InputError: one of `BEFORE_WRITING` refuses.
-    """
+    """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds, and none of
+    `BEFORE_WRITING` refuses. The checksum of a result is recorded."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = make_partial_path(path)
@@ -117,17 +112,12 @@ def check_version(path: Path, text: str, fix: str) -> None:
         found = json.dumps(content["version"])[:40] if "version" in content else "missing"
         what = f"is version {found}" if found != "missing" else "names no version"
         fix = fix or "make it again with this workflow"
-        raise InputError(
-            path, f"{what}; this workflow reads version {VERSION} (field 'version').", fix, code="E-CONTRACT-VERSION"
-        )
+        what += f"; this workflow reads version {VERSION} (field 'version')."
+        raise InputError(path, what, fix, code="E-CONTRACT-VERSION")
 
 
 def check_file(path: Path, fix: str = "") -> None:
-    """Refuse what is there and is no file: a pipe would be read for ever.
-
-    Raises:
-        InputError: it is a folder, a pipe or a device.
-    """
+    """Refuse a folder, a pipe or a device: a pipe would be read for ever."""
     if path.exists() and not path.is_file():
         raise InputError(path, "is no file, but a folder, a pipe or a device.", fix, code="E-FILE-UNREADABLE")
 
@@ -149,19 +139,14 @@ def read_text(path: Path, fix: str = "") -> str:
     except FileNotFoundError:
         raise file_missing(path, fix) from None
     except UnicodeDecodeError:
-        raise InputError(
-            path, "is no UTF-8 text.", fix or "name a text file, or save it as UTF-8", code="E-FILE-ENCODING"
-        ) from None
+        fix = fix or "name a text file, or save it as UTF-8"
+        raise InputError(path, "is no UTF-8 text.", fix, code="E-FILE-ENCODING") from None
     except OSError as error:
         raise InputError(path, f"cannot be read ({explain(error)}).", fix, code="E-FILE-UNREADABLE") from None
 
 
 def read_json(model: type[M], path: Path, fix: str = "") -> M:
-    """Read and validate one contract file.
-
-    Raises:
-        InputError: the file is missing, is not JSON, or breaks its contract (file and field named).
-    """
+    """Read and validate one contract file; an `InputError` names file and field."""
     return parse_json(model, read_text(path, fix), path, fix)
 
 
@@ -176,11 +161,7 @@ def parse_json(model: type[M], text: str, path: Path, fix: str = "") -> M:
 
 
 def read_lines(model: type[M], path: Path, fix: str = "") -> list[M]:
-    """A file with one JSON document per line, at least one.
-
-    Raises:
-        InputError: it is missing or empty, or a line breaks the contract (file, line and field named).
-    """
+    """A file with one JSON document per line, at least one; an `InputError` names file, line and field."""
     rows = []
     for number, line in enumerate(read_text(path, fix).splitlines(), 1):
         try:
@@ -194,10 +175,7 @@ def read_lines(model: type[M], path: Path, fix: str = "") -> list[M]:
 
 def read_rows(model: type[M], path: Path, fix: str = "") -> list[M]:
     """A CSV table whose columns are the model's fields, at least one row; an empty cell of an optional field is None.
-
-    Raises:
-        InputError: it is missing or empty, has other columns, or a row breaks the contract (file, line, field named).
-    """
+    An `InputError` names file, line and field."""
     optional = {name for name, field in model.model_fields.items() if type(None) in get_args(field.annotation)}
     reader = csv.DictReader(io.StringIO(read_text(path, fix), newline=""), strict=True)
     rows: list[M] = []
@@ -211,17 +189,15 @@ def read_rows(model: type[M], path: Path, fix: str = "") -> list[M]:
             raise InputError(path, f"{(wrong or ['has a column twice'])[0]}.", fix, code="E-TABLE-COLUMNS")
         for values in reader:
             if None in values or None in values.values():
-                raise InputError(
-                    f"{path}:{reader.line_num}", "has more or fewer cells than the header.", fix, code="E-TABLE-COLUMNS"
-                )
+                what = "has more or fewer cells than the header."
+                raise InputError(f"{path}:{reader.line_num}", what, fix, code="E-TABLE-COLUMNS")
             cells = {name: None if name in optional and value == "" else value for name, value in values.items()}
             rows.append(model.model_validate(cells))
             key = tuple(getattr(rows[-1], name) for name in getattr(model, "once", ()))
             if key and seen.setdefault(key, reader.line_num) != reader.line_num:
                 same = ", ".join(f"{name} {value}" for name, value in zip(model.once, key, strict=True))  # type: ignore[attr-defined]
-                raise InputError(
-                    f"{path}:{reader.line_num}", f"is line {seen[key]} again ({same}).", fix, code="E-TABLE-ROW-TWICE"
-                )
+                what = f"is line {seen[key]} again ({same})."
+                raise InputError(f"{path}:{reader.line_num}", what, fix, code="E-TABLE-ROW-TWICE")
     except csv.Error as error:
         raise InputError(f"{path}:{reader.line_num}", f"is not CSV ({error}).", fix, code="E-FILE-UNREADABLE") from None
     except ValidationError as error:
@@ -240,9 +216,8 @@ def read_options(model: type[M], text: str) -> M:
     try:
         return model.model_validate_json(text)
     except ValidationError as error:
-        raise InputError(
-            source, first_error(error) + ".", "see config/README.md for the keys", code="E-OPTIONS-INVALID"
-        ) from None
+        what, fix = first_error(error) + ".", "see config/README.md for the keys"
+        raise InputError(source, what, fix, code="E-OPTIONS-INVALID") from None
 
 
 RESULTS = Path("results")  # of the working directory, which is that of the workflow in its jobs
@@ -255,17 +230,12 @@ def digest_of(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def find_results(path: Path) -> Path | None:
-    """The results that a path lies in, from wherever it is written: the nearest folder above it that has checksums, or
-    is `results` of the working directory."""
-    own = RESULTS.absolute()
-    return next((each for each in path.parents if each == own or (each / CHECKSUMS).is_dir()), None)
-
-
 def record_of(path: Path, results: Path | None = None) -> Path | None:
-    """Where the checksum of a result is; None: the path is no result, or not yet one. `results`: None finds them."""
-    path = Path(os.path.normpath(path.absolute()))
-    results = results.absolute() if results else find_results(path)
+    """Where the checksum of a result is; None: the path is no result, or not yet one. `results`: None finds them: the
+    nearest folder above it that has checksums, or is `results` of the working directory."""
+    path, own = Path(os.path.normpath(path.absolute())), (results or RESULTS).absolute()
+    above = (each for each in path.parents if each == own or (each / CHECKSUMS).is_dir())
+    results = own if results else next(above, None)
     if results is None or any(part.startswith(".") for part in path.relative_to(results).parts):
         return None
     return results / CHECKSUMS / path.relative_to(results)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from operator import not_
 from typing import Literal
 
 from pydantic import Field, model_validator
@@ -23,12 +24,8 @@ class Surface(Contract):
 
     id: types.Id = Field(description="'floor', or the id of a wall")
     colour: Color
-    low: tuple[types.Coordinate, types.Coordinate] = Field(
-        description="floor: least x and y; wall: left along its tangent, and 0"
-    )
-    high: tuple[types.Coordinate, types.Coordinate] = Field(
-        description="floor: largest x and y; wall: right, and height"
-    )
+    low: tuple[types.Coordinate, types.Coordinate] = Field(description="floor: least x and y; wall: left end, and 0")
+    high: tuple[types.Coordinate, types.Coordinate] = Field(description="floor: largest x and y; wall: right, height")
 
 
 class Look(Document):
@@ -36,9 +33,7 @@ class Look(Document):
 
     light: types.UnitVector = Field(description="direction in which the key light shines")
     light_from: Literal["shadows", "default"] = Field(description="what the direction was taken from")
-    shadow_correlation: types.Finite = Field(
-        description="of predicted shadows with dark places of the picture, -1 to 1"
-    )
+    shadow_correlation: types.Finite = Field(description="of predicted shadows with dark places of the picture")
     surfaces: list[Surface]
 
     @model_validator(mode="after")
@@ -65,18 +60,11 @@ class PlacedObject(Contract):
     position: types.Position = Field((0.0, 0.0, 0.0), description="center of the asset's box, metres")
     yaw: types.Angle = Field(0.0, description="turn of the asset about z, radians")
     size: types.Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
-    size_spread: types.Vector | None = Field(
-        None, description="standard deviations of the logarithms of `size`; null: it was not fitted"
-    )
-    place_spread: types.NonNegative | None = Field(
-        None, description="standard deviation of `position`, metres; null: it was not fitted"
-    )
-    finish: Finish = Field(
-        {}, exclude_if=lambda found: not found, description="parameters of its recipe that are as the picture shows"
-    )
-    support: str = Field(
-        "floor", description="'floor', 'wall', the id of the object beneath, or 'unnamed': on what is no object here"
-    )
+    # Standard deviations of the logarithms of `size`, and of `position`, metres; null: it was not fitted.
+    size_spread: types.Vector | None = None
+    place_spread: types.NonNegative | None = None
+    finish: Finish = Field({}, exclude_if=not_, description="parameters of its recipe that are as the picture shows")
+    support: str = Field("floor", description="'floor', 'wall', id of the object beneath, 'unnamed': no object here")
     mounting: Mounting | None = None
     cousin: types.Rank | None = Field(None, description="rank in cousins.json of the model that stands here")
     chosen: bool = Field(False, description="a person says which model stands here")
@@ -92,9 +80,7 @@ class Plausibility(Contract):
     seconds: types.NonNegative
     stable: bool = Field(description="nothing has fallen or overlaps, is held without a wall, or reaches behind one")
     fallen: list[str] = Field(description="objects that did not stay: they dropped, tipped or were pushed aside")
-    how: dict[str, types.Text] = Field(
-        {}, exclude_if=lambda found: not found, description="what each of them did, in words"
-    )
+    how: dict[str, types.Text] = Field({}, exclude_if=not_, description="what each of them did, in words")
     held: list[str] = Field([], description="objects kept where they were seen, since what carries them is not named")
     behind: list[str] = Field([], description="objects that reach behind a wall")
     mean_displacement: types.NonNegative

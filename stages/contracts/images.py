@@ -33,11 +33,7 @@ Color = tuple[int, int, int]
 
 @contextmanager
 def open_picture(path: Path) -> Iterator[Image.Image]:
-    """The picture, not decoded yet.
-
-    Raises:
-        InputError: no picture, several in one file, or one of absurd size.
-    """
+    """The picture, not decoded yet; `InputError`: none, several in one file, or one of absurd size."""
     check_file(path)
     if not path.is_file():
         raise file_missing(path, FOLDER)
@@ -63,17 +59,12 @@ def open_picture(path: Path) -> Iterator[Image.Image]:
     except InputError:
         raise
     except Exception as error:  # each decoder raises its own kinds for broken data
-        raise InputError(
-            path, f"is not a readable image ({explain(error)}).", SAVE, code="E-IMAGE-UNREADABLE"
-        ) from None
+        what = f"is not a readable image ({explain(error)})."
+        raise InputError(path, what, SAVE, code="E-IMAGE-UNREADABLE") from None
 
 
 def read_upright(path: Path) -> Image.Image:
-    """The picture, decoded and turned as its EXIF data say.
-
-    Raises:
-        InputError: as `open_picture`.
-    """
+    """The picture of `open_picture`, decoded and turned as its EXIF data say."""
     with open_picture(path) as image:
         image.load()
         turned = ImageOps.exif_transpose(image)
@@ -82,11 +73,8 @@ def read_upright(path: Path) -> Image.Image:
 
 
 def read_rgb(path: Path) -> NDArray[np.uint8]:
-    """A picture (H, W, 3) in sRGB: turned by its EXIF data, alpha laid on white, all else converted to 8 bits.
-
-    Raises:
-        InputError: no picture, of absurd size, or with float pixels.
-    """
+    """A picture (H, W, 3) in sRGB: turned by its EXIF data, alpha laid on white, all else but floats converted to 8
+    bits."""
     image = to_srgb(read_upright(path))
     if image.mode in DEEP:
         grey = np.asarray(image).astype(np.int64)
@@ -119,11 +107,7 @@ def to_srgb(image: Image.Image) -> Image.Image:
 
 
 def read_narrow(path: Path, width: int) -> Image.Image:
-    """The picture upright as RGB (transparency on white), no wider than `width` pixels.
-
-    Raises:
-        InputError: the file is missing or no picture.
-    """
+    """The picture of `read_rgb`, no wider than `width` pixels."""
     picture = Image.fromarray(read_rgb(path))
     picture.thumbnail((width, max(width, picture.height)), Image.Resampling.LANCZOS)
     return picture
@@ -140,23 +124,15 @@ def orientation_of(path: Path) -> int:
 
 
 def check_shown(path: Path, rgb: NDArray[np.uint8]) -> None:
-    """Refuse a picture (H, W, 3) that shows nothing: black, white, or transparent all over.
-
-    Raises:
-        InputError: it is all of one color.
-    """
+    """Refuse a picture (H, W, 3) that shows nothing: black, white, or transparent all over."""
     if float(rgb.std(axis=(0, 1)).max()) < MIN_CONTRAST:
-        raise InputError(
-            path, "shows nothing: it is all of one color.", "take another photograph", code="E-PICTURE-BLANK"
-        )
+        what = "shows nothing: it is all of one color."
+        raise InputError(path, what, "take another photograph", code="E-PICTURE-BLANK")
 
 
 def read_masks(path: Path) -> NDArray[np.uint16]:
-    """A label image (H, W) of one channel: 8 or 16 bits, or a palette, whose indices are the values.
-
-    Raises:
-        InputError: no picture, several channels, float pixels, or a format that changes values (JPEG).
-    """
+    """A label image (H, W) of one channel: 8 or 16 bits, or a palette, whose indices are the values; no JPEG, which
+    changes them."""
     image = read_upright(path)
     mend = "write one channel of 16 bits with a value per object, as PNG"
     if image.format in ("JPEG", "MPO"):
@@ -176,12 +152,8 @@ def check_size(path: Path, array: NDArray[Any], width: int, height: int, source:
     if found != (width, height):
         turned = " It is turned by a quarter: all files are of the upright picture." if found == (height, width) else ""
         what = f"is {found[0]}x{found[1]} pixels, but {source} says {width}x{height}.{turned}"
-        raise InputError(
-            path,
-            what,
-            "all files of an input folder have one size, that of the upright picture",
-            code="E-SIZE-MISMATCH",
-        )
+        fix = "all files of an input folder have one size, that of the upright picture"
+        raise InputError(path, what, fix, code="E-SIZE-MISMATCH")
 
 
 def color_of(index: int) -> Color:
@@ -247,11 +219,7 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
 
 
 def check_depth(path: Path, values: NDArray[np.floating]) -> None:
-    """Refuse inverse depth and z-buffers (H, W): as depth they give things of no size and place.
-
-    Raises:
-        InputError: it is.
-    """
+    """Refuse inverse depth and z-buffers (H, W): as depth they give things of no size and place."""
     if is_inverse(values):
         what = "looks like inverse depth: it grows towards the lower border, and floors and walls are flat in it."
         fix = "store depth in metres: 1 / values for disparity, by the scale of its network"
@@ -265,14 +233,10 @@ def check_turned(where: object, points: NDArray[np.float64], known: NDArray[np.b
     """Refuse a picture of points (H, W, 3), camera frame, that is upside down with its depth.
 
     Whether it was turned by 180 degrees or mirrored top to bottom is not in depth: a person sees it.
-
-    Raises:
-        InputError: nothing level faces up, and much faces down.
     """
     if is_upside_down(points, known, max_tilt):
-        raise InputError(
-            where, f"shows no level surface that faces up, but one that faces down: {TURNED}", TURN, code=DOWN
-        )
+        what = f"shows no level surface that faces up, but one that faces down: {TURNED}"
+        raise InputError(where, what, TURN, code=DOWN)
 
 
 def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:

@@ -1,47 +1,31 @@
 """Contracts of the `assets` stage: an `asset.json` per model, an index per shard of them and one per library."""
 
+from operator import not_
 from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
+from roomkin.stages.contracts import types
 from roomkin.stages.contracts.category import CategoryFacts
 from roomkin.stages.contracts.files import Contract, Document
 from roomkin.stages.contracts.parts import FRONTS, PARTS, FrontType, HingeSide, Panel, PartType
-from roomkin.stages.contracts.types import (
-    LARGEST,
-    Angle,
-    CameraMatrix,
-    Extent,
-    Finite,
-    Id,
-    Mass,
-    Panels,
-    Position,
-    RelativePath,
-    Side,
-    Text,
-    UnitVector,
-    Vector,
-    check_unique,
-    check_view,
-)
 
 Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
 HandleKind = Literal["bar", "arch", "knob", "edge", "face"]
-Limit = Annotated[Finite, Field(ge=-100, le=100)]  # radians or metres
-Buttons = Annotated[Panels, Field(exclude_if=lambda count: count == 0, description="left out where there are none")]
+Limit = Annotated[types.Finite, Field(ge=-100, le=100)]  # radians or metres
+Buttons = Annotated[types.Panels, Field(exclude_if=not_, description="left out where there are none")]
 
 
 class FrontPanel(Contract):
     """The front that a joint moves, closed, with its handle. Metres; left and right are those of whoever faces it."""
 
     hinge: HingeSide = Field(description="side on which it hangs; slide: a drawer")
-    across: Finite | None = Field(None, description="of its center from the asset's left side; null: not known")
-    height: Finite = Field(description="of its center above the asset's bottom")
-    size: tuple[Extent, Extent] = Field(description="width and height")
+    across: types.Finite | None = Field(None, description="of its center from the asset's left side; null: not known")
+    height: types.Finite = Field(description="of its center above the asset's bottom")
+    size: tuple[types.Extent, types.Extent] = Field(description="width and height")
 
-    def measure_on_front(self, kind: FrontType, box: Vector) -> Panel | None:
+    def measure_on_front(self, kind: FrontType, box: types.Vector) -> Panel | None:
         """As shares of the front of a box (x, y, z); None: nothing of it is seen there, or nobody knows where it is."""
         if self.across is None:
             return None
@@ -51,9 +35,8 @@ class FrontPanel(Contract):
             for sign in (-1, 1)
         ]
         left, right, bottom, top = sides
-        return (
-            Panel(kind=kind, left=left, right=right, bottom=bottom, top=top) if left < right and bottom < top else None
-        )
+        shown = left < right and bottom < top
+        return Panel(kind=kind, left=left, right=right, bottom=bottom, top=top) if shown else None
 
 
 class Joint(Contract):
@@ -61,18 +44,16 @@ class Joint(Contract):
 
     model_config = ConfigDict(serialize_by_alias=True, validate_by_name=True)  # files say `role`
 
-    name: Text
+    name: types.Text
     type: Literal["revolute", "prismatic"]
     part_type: PartType = Field(alias="role")
-    parent: Text
-    link: Text = Field(description="child link that the joint moves")
-    axis: UnitVector = Field(description="unit axis in the joint frame, as in the URDF")
+    parent: types.Text
+    link: types.Text = Field(description="child link that the joint moves")
+    axis: types.UnitVector = Field(description="unit axis in the joint frame, as in the URDF")
     lower: Limit
     upper: Limit
     handle_link: str | None = Field(None, description="link that carries the handle; null: no protruding handle")
-    handle: HandleKind | None = Field(
-        None, description="what a gripper can hold; edge: a profile at the free edge; face: it is pushed"
-    )
+    handle: HandleKind | None = Field(None, description="what a gripper holds; edge: the free one; face: it is pushed")
     panel: FrontPanel | None = Field(None, description="null: it moves nothing that is seen")
 
     @model_validator(mode="after")
@@ -82,15 +63,16 @@ class Joint(Contract):
         return self
 
 
+Number = types.Finite
 Finish = dict[str, str | list[str]]  # parameters of a recipe, of what it is made of in which colors
 
 
 class Recipe(Contract):
     """How a procedural asset was made, so that it can be made again at another size."""
 
-    generator: Text
-    variation_of: Id | None = Field(None, description="the model of the same library that it is a near relative of")
-    parameters: dict[str, Finite | int | str | bool | list[Finite] | list[int] | list[str] | list[list[str]]]
+    generator: types.Text
+    variation_of: types.Id | None = Field(None, description="the model of this library that it is a near relative of")
+    parameters: dict[str, Number | int | str | bool | list[Number] | list[int] | list[str] | list[list[str]]]
 
 
 class Asset(Document):
@@ -100,19 +82,17 @@ class Asset(Document):
     the visual geometry in that frame with every joint at its lower limit (closed), in metres.
     """
 
-    id: Id
-    category: Id = Field(description="lower-case words joined by underscores, e.g. bottom_cabinet")
-    urdf: RelativePath = Field("model.urdf", description="path of the URDF relative to this file")
-    box_min: Position
-    box_max: Position
-    mass: Mass
+    id: types.Id
+    category: types.Id = Field(description="lower-case words joined by underscores, e.g. bottom_cabinet")
+    urdf: types.RelativePath = Field("model.urdf", description="path of the URDF relative to this file")
+    box_min: types.Position
+    box_max: types.Position
+    mass: types.Mass
     joints: list[Joint] = []
-    doors: Panels = 0
-    drawers: Panels = 0
+    doors: types.Panels = 0
+    drawers: types.Panels = 0
     buttons: Buttons = 0
-    symmetry: Symmetry = Field(
-        "none", description="rotational symmetry about z: orientation is scored modulo that turn; full has none"
-    )
+    symmetry: Symmetry = Field("none", description="about z: orientation is scored modulo that turn; full has none")
     placement: Placement = "floor"
     recipe: Recipe | None = None
     licence: str
@@ -121,10 +101,10 @@ class Asset(Document):
 
     @model_validator(mode="after")
     def _check_size(self) -> "Asset":
-        if not all(1e-6 <= extent <= LARGEST for extent in self.size):
+        if not all(1e-6 <= extent <= types.LARGEST for extent in self.size):
             extents = " x ".join(f"{extent:g}" for extent in self.size)
-            raise ValueError(f"box_min, box_max: a box of {extents} m (0 to {LARGEST:g} m each)")
-        check_unique("joints", [joint.name for joint in self.joints])
+            raise ValueError(f"box_min, box_max: a box of {extents} m (0 to {types.LARGEST:g} m each)")
+        types.check_unique("joints", [joint.name for joint in self.joints])
         for part, stated in zip(PARTS, (self.doors, self.drawers, self.buttons), strict=True):
             count = sum(joint.part_type == part for joint in self.joints)
             if stated != count:
@@ -132,7 +112,7 @@ class Asset(Document):
         return self
 
     @property
-    def size(self) -> Vector:
+    def size(self) -> types.Vector:
         """Extents (x, y, z) of the closed box in metres."""
         return tuple(high - low for low, high in zip(self.box_min, self.box_max, strict=True))  # type: ignore[return-value]
 
@@ -144,12 +124,8 @@ class Asset(Document):
     @property
     def panels(self) -> list[Panel]:
         """The layout of its doors and drawers, as far as they are seen on its front."""
-        found = (
-            joint.panel.measure_on_front(front, self.size)
-            for joint in self.joints
-            for front in FRONTS
-            if joint.panel is not None and joint.part_type == front
-        )
+        fronts = [(joint.panel, front) for joint in self.joints for front in FRONTS if joint.part_type == front]
+        found = [panel.measure_on_front(front, self.size) for panel, front in fronts if panel is not None]
         return [panel for panel in found if panel is not None]
 
     def change_finish(self, finish: Finish) -> "Asset":
@@ -168,7 +144,7 @@ class Asset(Document):
 class LeftOut(Document):
     """Models that matching does without: the true ones of a room and their relatives (perturbation `unknown`)."""
 
-    assets: list[Id]
+    assets: list[types.Id]
 
 
 def model_name(category: str, index: int) -> str:
@@ -179,14 +155,14 @@ def model_name(category: str, index: int) -> str:
 class LibraryEntry(Contract):
     """One line of the library's index: what matching needs without opening the asset."""
 
-    id: Id
-    category: Id
-    archive: RelativePath = Field(description="zip archive that holds the folder <id>/, relative to the index")
-    doors: Panels
-    drawers: Panels
+    id: types.Id
+    category: types.Id
+    archive: types.RelativePath = Field(description="zip archive that holds the folder <id>/, relative to the index")
+    doors: types.Panels
+    drawers: types.Panels
     buttons: Buttons = 0
     panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
-    size: tuple[Extent, Extent, Extent] | None = Field(None, description="its closed box; null: not known")
+    size: types.Size | None = Field(None, description="its closed box; null: not known")
     placement: Placement | None = Field(None, description="where it belongs; null: not known")
     checksum: str
 
@@ -201,13 +177,11 @@ class LibraryPart(Document):
 
     assets: list[LibraryEntry]
     left_out: list[str] = Field([], description="the user's models that cannot be used, with the reason: a line each")
-    categories: list[CategoryFacts] = Field(
-        [], description="what is known of categories, those of other libraries, too"
-    )
+    categories: list[CategoryFacts] = Field([], description="what is known of them, those of other libraries, too")
 
     @model_validator(mode="after")
     def _check_ids(self) -> "LibraryPart":
-        check_unique("assets: ids", [entry.id for entry in self.assets])
+        types.check_unique("assets: ids", [entry.id for entry in self.assets])
         return self
 
 
@@ -225,18 +199,16 @@ class SnapshotShard(Document):
     by `yaws[v]` about z, and the last view is the representative. At yaw 0 the front faces the camera.
     """
 
-    assets: list[Id]
-    yaws: list[Angle] = Field(min_length=1)
-    representative_yaw: Angle
-    image_size: Side
-    intrinsics: CameraMatrix = Field(description="3x3 camera matrix in pixels")
-    elevation: Angle | None = Field(
-        None, description="angle of the camera above the horizontal, radians; lets matching compare normals upright"
-    )
+    assets: list[types.Id]
+    yaws: list[types.Angle] = Field(min_length=1)
+    representative_yaw: types.Angle
+    image_size: types.Side
+    intrinsics: types.CameraMatrix = Field(description="3x3 camera matrix in pixels")
+    elevation: types.Angle | None = Field(None, description="of the camera above level, radians; for upright normals")
 
     @model_validator(mode="after")
     def _check_views(self) -> "SnapshotShard":
-        check_unique("assets", self.assets)
-        check_unique("yaws", self.yaws)
-        check_view(self.image_size, self.image_size, self.intrinsics)
+        types.check_unique("assets", self.assets)
+        types.check_unique("yaws", self.yaws)
+        types.check_view(self.image_size, self.image_size, self.intrinsics)
         return self

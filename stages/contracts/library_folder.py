@@ -56,29 +56,19 @@ def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:
     archive = out.with_suffix(".zip")
     assets = sorted((read_json(Asset, path) for path in folder.glob("*/asset.json")), key=lambda asset: asset.id)
     pack(folder, archive)
-    write_json(
-        out, LibraryPart(assets=[LibraryEntry.of(asset, archive.name) for asset in assets], left_out=list(left_out))
-    )
+    entries = [LibraryEntry.of(asset, archive.name) for asset in assets]
+    write_json(out, LibraryPart(assets=entries, left_out=list(left_out)))
 
 
 class AssetFolders(Mapping[str, Path]):
-    """The models of a library, or of parts of one, as folders by id, in order of id.
-
-    A model is unpacked when its folder is asked for; the folder lasts as long as the process. `categories`: what is
-    known of them, by name.
-
-    Raises:
-        InputError: an index cannot be read; when a model is asked for: there is none of that id, or its archive does
-            not hold what the index says.
-    """
+    """The models of a library, or of parts of one, as folders by id, in order of id. A model is unpacked when its
+    folder is asked for, if its archive holds what the index says; the folder lasts as long as the process.
+    `categories`: what is known of them, by name."""
 
     def __init__(self, *indices: Path) -> None:
         parts = {path: read_json(LibraryPart, path, FIRST) for path in indices}
-        found = {
-            entry.id: (path.parent / entry.archive, entry.checksum)
-            for path, part in parts.items()
-            for entry in part.assets
-        }
+        listed = [(path.parent, entry) for path, part in parts.items() for entry in part.assets]
+        found = {entry.id: (folder / entry.archive, entry.checksum) for folder, entry in listed}
         self._indices, self._entries = ", ".join(map(str, indices)), dict(sorted(found.items()))
         self.categories = {row.name: row for part in parts.values() for row in part.categories}
 

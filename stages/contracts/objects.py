@@ -4,6 +4,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable
+from operator import not_
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from pydantic import Field, model_validator
@@ -87,36 +88,24 @@ class SceneObject(Contract):
     mask: types.MaskValue = Field(description="value of its pixels in masks.png")
     status: Literal["ok", "failed"] = "ok"
     reason: str = Field("", description="why it failed")
-    pixels: tuple[types.Count, types.Count, types.Count, types.Count] | None = Field(
-        None, description="mask bounds x0, y0, x1, y1 (exclusive)"
-    )
-    names: list[Name] = Field(
-        [],
-        exclude_if=lambda found: not found,
-        description="what it may be called, surest first; empty: label is certain",
-    )
+    pixels: tuple[types.Count, types.Count, types.Count, types.Count] | None = None  # of its mask: x0, y0, x1, y1
+    names: list[Name] = Field([], exclude_if=not_, description="it may have, surest first; empty: label is certain")
     articulated: bool = False
     doors: types.Panels = 0
     drawers: types.Panels = 0
     panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
     points: types.Count = 0
-    depth_known: types.Fraction | None = Field(
-        None, description="share of its pixels with known depth; null if not used"
-    )
+    depth_known: types.Fraction | None = Field(None, description="share of its pixels with known depth; null: unused")
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
-    measured_support: str = Field(
-        "", description="'floor', 'wall', the id of the object beneath, 'unnamed': what nobody named; empty: not said"
-    )
+    measured_support: str = Field("", description="'floor', 'wall', id of what is beneath, 'unnamed'; empty: not said")
     measured_mounting: Mounting | None = Field(None, description="by geometry, where the input tells the mounting")
     note: str = Field("", description="what the input says of it that cannot be")
     front: types.Angle | None = Field(None, description="direction that it faces about z, if the input tells")
     whole: bool = Field(False, description="the input tells its box, hidden sides too, and cousins get that size")
     support: str | None = Field(None, description="'floor' or the id of what carries it, where a person says so")
     told: list[Literal["mounting", "size"]] = Field([], description="what else a person says of it: nobody doubts that")
-    doubts: list[Doubt] = Field(
-        [], exclude_if=lambda found: not found, description="what of its name or box the input doubts itself"
-    )
+    doubts: list[Doubt] = Field([], exclude_if=not_, description="what of its name or box the input doubts itself")
 
 
 class Objects(Document):
@@ -132,22 +121,13 @@ class Objects(Document):
     height: types.Side
     intrinsics: types.CameraMatrix
     floor_from_camera: types.RigidTransform
-    crop: types.Fraction = Field(
-        1.0, gt=0, description="central share of the picture that was used, in either direction"
-    )
-    depth_error: DepthError = Field(
-        USUAL_ERROR, description="a (metres) and b (1/metres) of depth's standard deviation a + b z^2"
-    )
+    crop: types.Fraction = Field(1.0, gt=0, description="central share of the picture that was used, either way")
+    depth_error: DepthError = Field(USUAL_ERROR, description="of depth's standard deviation a + b z^2, metres")
     walls: list[Wall]
     objects: list[SceneObject]
-    lost: list[types.Text] = Field(
-        [], exclude_if=lambda found: not found, description="what could not be kept of a person's corrections"
-    )
+    lost: list[types.Text] = Field([], exclude_if=not_, description="what could not be kept of a person's corrections")
     digest: str = Field(
-        "",
-        pattern="^([0-9a-f]{64})?$",
-        exclude_if=lambda found: not found,
-        description="SHA-256 of the file that the picture was read from; empty: not known",
+        "", pattern="^([0-9a-f]{64})?$", exclude_if=not_, description="SHA-256 of the picture's file; empty: not known"
     )
     made: Provenance | None = None
 

@@ -17,9 +17,7 @@ from roomkin.stages.contracts.types import Count, Extent, Finite, Id, NonNegativ
 class TaskAsset(Contract):
     """One asset in the policy experiment, and what a policy and a gripper meet there."""
 
-    role: Id = Field(
-        description="twin, matched, cousin_1, ... or dissimilar; of the lists: all, random, cover, validation, test"
-    )
+    role: Id = Field(description="twin, matched, cousin_1, ..., dissimilar; of lists: all, random, cover, test, ...")
     asset: Id
     category: Id
     family: Id = Field(description="the model that it is a variation of; its own id if it is none")
@@ -32,9 +30,7 @@ class TaskAsset(Contract):
     panel_height: Finite = Field(description="of the front's center above the asset's bottom at this size, metres")
     panel_size: tuple[Extent, Extent] = Field(description="width and height of the front at this size, metres")
     handle_length: NonNegative = Field(description="longest extent of the handle at this size, metres")
-    handle_height: Finite = Field(
-        description="of the handle's center on the front: 0 at its lower edge, 1 at its upper"
-    )
+    handle_height: Finite = Field(description="of the handle's center on the front: 0 at its lower edge, 1 at its top")
 
 
 class TaskAssets(Document):
@@ -57,12 +53,10 @@ class TaskAssets(Document):
         "every usable asset of the object's three nearest categories whose family may be trained on",
     )
     draws: Rank = Field(1, description="so many draws, all as long, stand end to end in each of the next two lists")
-    random_assets: list[TaskAsset] = Field(
-        [], description="the training sets `random_n` take the first n of a draw: assets to train on, by chance"
-    )
-    cover_assets: list[TaskAsset] = Field(
-        [], description="`cover_n` likewise: the first n, for any n, are spread over fronts' widths, handles' heights"
-    )
+    # The training sets `random_n` take the first n of a draw, by chance; `cover_n` likewise: the first n, for any n,
+    # are spread over fronts' widths and handles' heights.
+    random_assets: list[TaskAsset] = []
+    cover_assets: list[TaskAsset] = []
     validation_assets: list[TaskAsset] = Field([], description="every choice is made on these")
     test_assets: list[TaskAsset] = Field([], description="seen once, at the end: no choice is made on them")
 
@@ -98,10 +92,8 @@ class TaskAssets(Document):
         found: dict[str, str] = {}
         for side, assets in sides.items():
             for asset in assets:
-                if found.setdefault(asset.family, side) != side:
-                    raise ValueError(
-                        f"{asset.asset}: its family '{asset.family}' is in {found[asset.family]} and in {side}"
-                    )
+                if (first := found.setdefault(asset.family, side)) != side:
+                    raise ValueError(f"{asset.asset}: its family '{asset.family}' is in {first} and in {side}")
         for name in ("all_assets", "validation_assets", "test_assets"):
             check_unique(name, [asset.asset for asset in getattr(self, name)])
         return self
@@ -126,11 +118,8 @@ class TaskAssets(Document):
 
     def drawn_roles(self) -> dict[str, TaskAsset]:
         """The assets of all draws by role: random_1, ..., cover_1, ..."""
-        return {
-            drawn_role(rule, *divmod(number, self.length(rule))): asset
-            for rule in DRAWN
-            for number, asset in enumerate(self.list_drawn(rule))
-        }
+        drawn = [(rule, number, asset) for rule in DRAWN for number, asset in enumerate(self.list_drawn(rule))]
+        return {drawn_role(rule, *divmod(number, self.length(rule))): asset for rule, number, asset in drawn}
 
     @property
     def hidden_roles(self) -> set[str]:
@@ -138,41 +127,28 @@ class TaskAssets(Document):
         return {"dissimilar", *(f"cousin_{number}" for number in self.held_out)}
 
     def find_asset(self, role: str, where: Path) -> TaskAsset:
-        """The asset of a role.
-
-        Raises:
-            InputError: there is none in the file `where`; the message names the roles there are.
-        """
-        for asset in self.assets:
-            if asset.role == role:
-                return asset
-        known = ", ".join(asset.role for asset in self.assets)
-        raise InputError(where, f"has no role '{role}' (it has {known}).", code="E-ROLE-MISSING")
+        """The asset of a role; the `InputError` names the roles that the file `where` has."""
+        by_role = {asset.role: asset for asset in self.assets}
+        if role not in by_role:
+            raise InputError(where, f"has no role '{role}' (it has {', '.join(by_role)}).", code="E-ROLE-MISSING")
+        return by_role[role]
 
     def assets_of(self, role: str, where: Path) -> list[TaskAsset]:
-        """The assets whose demonstrations make up the store of a role, randomised or not: one, or for `all` many.
-
-        Raises:
-            InputError: there are none in the file `where`.
-        """
+        """The assets whose demonstrations make up the store of a role, randomised or not: one, or for `all` many."""
         name = strip_randomised(role)
         rule = name.partition("_")[0]
         if rule in DRAWN:
             drawn = self.drawn_roles()
             if name not in drawn:
-                raise InputError(
-                    where,
-                    f"has no '{name}': {self.draws} x {self.length(rule)} assets were drawn for {rule}_n.",
-                    "use a smaller training set, or run `experiment select` again",
-                    code="E-ROLE-MISSING",
-                )
+                what = f"has no '{name}': {self.draws} x {self.length(rule)} assets were drawn for {rule}_n."
+                fix = "use a smaller training set, or run `experiment select` again"
+                raise InputError(where, what, fix, code="E-ROLE-MISSING")
             return [drawn[name]]
         if name != "all":
             return [self.find_asset(name, where)]
         if not self.all_assets:
-            raise InputError(
-                where, "has no assets for the training set `all`.", "run `experiment select`", code="E-ROLE-MISSING"
-            )
+            what = "has no assets for the training set `all`."
+            raise InputError(where, what, "run `experiment select`", code="E-ROLE-MISSING")
         return self.all_assets
 
     def split(self, name: Literal["validation", "test"], count: int) -> list[TaskAsset]:
@@ -187,9 +163,7 @@ class Attempt(Contract):
     asset: Id
     seed: Seed
     success: bool
-    cause: Id = Field(
-        description="'success' or where it failed: no_handle, no_plan, approach, converge, grasp_slip, ..."
-    )
+    cause: Id = Field(description="'success' or where it failed: no_handle, no_plan, approach, grasp_slip, ...")
     recovery: Literal["push", "miss"] | None = Field(None, description="what the hand was made to recover from")
     retries: Count = Field(0, description="how often the skills tried again after a miss")
     steps: Count
@@ -217,8 +191,7 @@ class Rollout(Contract):
     seed: Seed
     checkpoint: Text
     test_asset: Id = Field(
-        description="role of the test asset; trained: an asset that the policy was trained on; test, validation: an "
-        "asset of that split, whose family no policy was trained on"
+        description="role; trained: one that the policy was trained on; test, validation: of that split"
     )
     asset: Id
     family: Id = Field(description="of the asset")
@@ -286,9 +259,8 @@ class SceneScore(Contract):
     stable: bool | None
     shift_cm: NonNegative | None = Field(None, description="how far it moved in the settling test")
     penetration_cm: NonNegative | None = Field(None, description="deepest of its scene, between any two objects")
-    chamfer: NonNegative | None = Field(
-        None, description="mean distance of the two models' surfaces in the box of the true one, over its diagonal"
-    )
+    # Mean distance of the two models' surfaces in the box of the true one, over its diagonal.
+    chamfer: NonNegative | None = None
     shape_iou: Overlap | None = Field(None, description="of what both models fill of that box")
     panels_correct: bool | None = Field(None, description="as many doors and drawers; null: the true object has none")
     handle_correct: bool | None = Field(None, description="the same kinds of handles, likewise")

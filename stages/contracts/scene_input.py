@@ -34,11 +34,7 @@ class SceneInput:
 
 def read_scene_input(folder: Path) -> SceneInput:
     """Read and cross-check the five files. Mask values that have no name in `annotations.json`, nor are left out in
-    `things.json`, are printed.
-
-    Raises:
-        InputError: a file is missing, broken, or disagrees with the others; the file is named.
-    """
+    `things.json`, are printed."""
     camera = read_json(Camera, folder / "camera.json")
     rgb, depth, exact = _pictures(folder, camera)
     annotations, masks = read_annotations(folder / "annotations.json")
@@ -46,12 +42,8 @@ def read_scene_input(folder: Path) -> SceneInput:
         item.box is not None or item.front is not None for item in annotations.objects
     ):
         what = "has box or front of an object, in the floor frame, but camera.json has no floor_from_camera."
-        raise InputError(
-            folder / "annotations.json",
-            what,
-            "write floor_from_camera, or leave out box and front",
-            code="E-FLOOR-FRAME",
-        )
+        fix = "write floor_from_camera, or leave out box and front"
+        raise InputError(folder / "annotations.json", what, fix, code="E-FLOOR-FRAME")
     check_size(folder / "masks.png", masks, camera.width, camera.height, "camera.json")
     found = read_things(folder)
     left_out = [item.mask for item in found.left_out] if found else []
@@ -95,9 +87,8 @@ def _pictures(folder: Path, camera: Camera) -> tuple[NDArray[np.uint8], NDArray[
         print(f"{folder / 'rgb.png'}: is turned by its EXIF data ({turned}); depth and masks are taken to be upright")
     bent = "" if exact else find_flatter(depth, np.array(camera.intrinsics, dtype=float))
     if bent == "ray":
-        print(
-            f"{folder / 'depth.npz'}: in doubt: floor and walls are flat if it is the distance along each pixel's ray"
-        )
+        doubt = "floor and walls are flat if it is the distance along each pixel's ray"
+        print(f"{folder / 'depth.npz'}: in doubt: {doubt}")
     return rgb, depth, exact
 
 
@@ -109,9 +100,8 @@ def read_annotations(path: Path) -> tuple[Annotations, NDArray[np.uint16]]:
     if not found & {item.mask for item in annotations.objects}:
         values = ", ".join(map(str, sorted(found)[:8]))
         what = f"shows no object of annotations.json: its values are {values}."
-        raise InputError(
-            path.with_name("masks.png"), what, "objects.mask is the value of the object's pixels", code="E-MASK-VALUE"
-        )
+        fix = "objects.mask is the value of the object's pixels"
+        raise InputError(path.with_name("masks.png"), what, fix, code="E-MASK-VALUE")
     return annotations, masks
 
 

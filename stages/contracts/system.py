@@ -12,14 +12,12 @@ from pathlib import Path
 from roomkin.stages.contracts.errors import InputError
 
 MENDS = {
-    errno.ENOSPC: "make room on the disk, and run it again",
-    errno.EDQUOT: "make room in your quota, and run it again",
+    errno.ENOSPC: "make room on the disk, and run it again", errno.EDQUOT: "make room in your quota, and run it again",
     errno.EROFS: "choose a folder that can be written",
     errno.EACCES: "choose a folder that you may use, or change its permissions",
-    errno.EPERM: "choose a folder that you may use, or change its permissions",
-    errno.EIO: "is there room on the disk?",
+    errno.EPERM: "choose a folder that you may use, or change its permissions", errno.EIO: "is there room on the disk?",
     errno.EMFILE: "raise the limit of open files: ulimit -n",
-}
+}  # fmt: skip
 JOB_START = "ACDC_JOB_START"  # environment variable, module:function: what every job of a workflow calls first
 FULL_MEMORY = ("allocate memory", "out of memory", "Insufficient memory")  # of torch, CUDA, OpenCV
 
@@ -79,11 +77,7 @@ def _is_full(path: Path) -> bool:
 
 
 def check_writable(*folders: Path) -> None:
-    """Refuse folders that nothing can be written into, before a workflow starts. What is not there yet will be made.
-
-    Raises:
-        InputError: names the first.
-    """
+    """Refuse folders that nothing can be written into, before a workflow starts. What is not there yet will be made."""
     for folder in folders:
         if folder.exists() and not os.access(folder, os.W_OK | os.X_OK):
             mend = "choose a folder that can be written, or change its permissions"

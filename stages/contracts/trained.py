@@ -44,15 +44,9 @@ class TrainedPolicy(Document):
     best_step: Count
     best_loss: Finite | None = Field(description="validation loss of policy.safetensors; null: no validation")
     best_error: Finite | None = Field(None, description="RMS error of its actions on the validation episodes")
-    constant_error: Finite | None = Field(
-        None, description="the same of one constant action, the mean of the training episodes"
-    )
-    plateau: Count | None = Field(
-        None, description="last step of metrics.jsonl before its error fell below that for the first time; 0: none"
-    )
-    checkpoints: list[RelativePath] = Field(
-        [], description="weights kept for selection by rollouts, in checkpoints.zip"
-    )
+    constant_error: Finite | None = Field(None, description="that of one constant action, the mean in training")
+    plateau: Count | None = Field(None, description="last step before its error first fell below that; 0: none")
+    checkpoints: list[RelativePath] = Field([], description="weights kept for selection, in checkpoints.zip")
 
     @property
     def learned(self) -> bool:
@@ -96,11 +90,7 @@ def read_config(folder: Path) -> TrainedPolicy:
 
 
 def check_weights(path: Path, trained: TrainedPolicy) -> Shapes:
-    """Shapes by name of one file of weights; all finite, with the normaliser, and as many as config.json says.
-
-    Raises:
-        InputError: it is missing, broken, or another network's.
-    """
+    """Shapes by name of one file of weights; all finite, with the normaliser, and as many as config.json says."""
     from safetensors import safe_open  # the report's image reads policies' configs without it
 
     shapes: Shapes = {}
