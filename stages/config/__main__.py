@@ -1,4 +1,4 @@
-"""Generate categories, schema and docs/config.md: every key of the config with its meaning, from the typed models."""
+"""`roomkin config`: categories, schema and docs/config.md, every key with its meaning, from the typed models."""
 
 import json
 import subprocess
@@ -105,18 +105,15 @@ def generate() -> dict[str, str]:
     table = ["# Config reference", "", "Written from `stages/config` by `make config`.", ""]
     for key, default, allowed, description in rows:
         if "." not in key:
-            table += ["", f"## `{key}`", "", description, ""] + (
-                [*textwrap.wrap(f"Default: `{default}`", 120), ""] if default else []
-            )
-            table += ["| key | default | allowed | meaning |", "|---|---|---|---|"] if not default else []
+            head = ["| key | default | allowed | meaning |", "|---|---|---|---|"]
+            told = [*textwrap.wrap(f"Default: `{default}`", 120), ""] if default else head
+            table += ["", f"## `{key}`", "", description, "", *told]
         else:
             table.append(_row(key, default, allowed, description))
     table += _list_kwargs()
     schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **complete().model_json_schema()}
-    return {
-        "config/schema.json": json.dumps(schema, indent=1) + "\n",
-        "docs/config.md": "\n".join(table).rstrip() + "\n",
-    }
+    reference = "\n".join(table).rstrip() + "\n"
+    return {"config/schema.json": json.dumps(schema, indent=1) + "\n", "docs/config.md": reference}
 
 
 def write(root: Path) -> None:
@@ -127,7 +124,6 @@ def write(root: Path) -> None:
 
 def show(files: Sequence[str]) -> int:
     """Print the whole config of a run with these files; a mistake is a line. Returns the exit code."""
-    from roomkin.stages.config.__main__ import write_yaml
     from roomkin.stages.config.model import read_files
     from roomkin.stages.contracts.errors import InputError
 
@@ -149,6 +145,4 @@ if __name__ == "__main__":
     for package in find_packages().values():
         if package.facts:
             subprocess.run([sys.executable, "-m", *package.facts.split()], check=True)
-    from roomkin.stages.config.__main__ import write
-
     write(Path.cwd())

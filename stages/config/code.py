@@ -154,11 +154,7 @@ def forget() -> None:
 
 
 def files_digest(names: Iterable[str]) -> str:
-    """Digest (12 hex digits) of files and of all files below folders, by name and content.
-
-    Raises:
-        FileNotFoundError: one of them does not exist.
-    """
+    """Digest (12 hex digits) of files and of all files below folders, by name and content."""
     digest = hashlib.sha256()
     for name in names:
         given = Path(name)

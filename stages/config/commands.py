@@ -38,10 +38,9 @@ def command_line(config: Config, stage: str, command: str) -> str:
     own = replacement(config, stage, command)
     if own is None:
         return f"python -m {home_of(stage)} {command}"
-    guards = [
-        word for package in packages_on(config.packages) if package.guard for word in ("python", "-m", package.guard)
-    ]
-    return shlex.join([*guards, "bash", "-c", own.command + ' "$@"', command])
+    guards = [package.guard for package in packages_on(config.packages) if package.guard]
+    before = [word for guard in guards for word in ("python", "-m", guard)]
+    return shlex.join([*before, "bash", "-c", own.command + ' "$@"', command])
 
 
 def command_digest(config: Config, stage: str, command: str, *used: str) -> str:
@@ -52,9 +51,6 @@ def command_digest(config: Config, stage: str, command: str, *used: str) -> str:
 
 def check_line(outputs: Mapping[str, str | list[str]]) -> str:
     """The command that refuses files that break their contract, and keeps them aside; `outputs`: by contract."""
-    named = [word for contract, files in outputs.items() for word in (contract, *_as_list(files))]
+    lists = {contract: [files] if isinstance(files, str) else files for contract, files in outputs.items()}
+    named = [word for contract, files in lists.items() for word in (contract, *files)]
     return shlex.join(["python", "-m", "roomkin.stages.contracts", "--refuse", *named])
-
-
-def _as_list(files: str | list[str]) -> list[str]:
-    return [files] if isinstance(files, str) else files

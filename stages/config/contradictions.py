@@ -50,9 +50,8 @@ def _packages(config: "Config") -> Iterator[Mistake]:
     )
     for name, key, wanted in asked:
         if wanted and not config.packages.get(name):
-            yield Mistake(
-                key, f"is read by the package {name}, which is off or not here", f"packages: {{{name}: true}}"
-            )
+            what = f"is read by the package {name}, which is off or not here"
+            yield Mistake(key, what, f"packages: {{{name}: true}}")
     for package in packages_on(config.packages):
         yield from package.mistakes(config)
 
@@ -90,14 +89,11 @@ def _names(config: "Config") -> Iterator[Mistake]:
     """Names that become paths, and lists that name a thing twice."""
     experiment = config.experiment
     named: dict[str, Iterable[str]] = {
-        "experiment.variants": experiment.variants,
-        "experiment.protocols": experiment.protocols,
-        "experiment.targets": experiment.targets,
-        "experiment.policies": experiment.policies,
-        "experiment.pools": experiment.pools,
-        "training.configs": config.training.configs,
+        "experiment.variants": experiment.variants, "experiment.protocols": experiment.protocols,
+        "experiment.targets": experiment.targets, "experiment.policies": experiment.policies,
+        "experiment.pools": experiment.pools, "training.configs": config.training.configs,
         "evaluation.conditions": config.evaluation.conditions,
-    }
+    }  # fmt: skip
     for name in experiment.inputs:
         if not is_scene(name):
             yield Mistake("experiment.inputs", f"'{name}' is no name", suggest_scene(name), "E-CONFIG-NAME")
@@ -135,7 +131,7 @@ def _list_repeated(key: str, values: Iterable[object]) -> Iterator[Mistake]:
 
 
 def _scenes(config: "Config") -> Iterator[Mistake]:
-    """Scenes that exist, folders that hold what they must."""
+    """Scenes that exist, folders that hold what they must, files of corrections that can be read."""
     experiment = config.experiment
     try:
         rooms = config.rooms()
@@ -152,12 +148,6 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
             yield Mistake(key, "is the name of a room", "give your scene another name")
         elif name in experiment.rooms and not config.image:
             yield from given.mistakes(key)
-    yield from _corrections(config)
-
-
-def _corrections(config: "Config") -> Iterator[Mistake]:
-    """Files of corrections beside the scenes' pictures that can be read."""
-    experiment = config.experiment
     for scene in (*experiment.rooms, *experiment.perturbed_scenes()):
         path = hand_file(experiment, scene, CORRECTIONS)
         try:
@@ -176,9 +166,8 @@ def _library(config: "Config") -> Iterator[Mistake]:
         if not Path(folder).is_dir():
             yield Mistake("assets.folders", f"no folder {folder}", "correct it or leave it out", "E-CONFIG-FILE")
         elif not any(path.is_file() for path in Path(folder).glob("*/*")) and not any(Path(folder).glob("*/*/*")):
-            yield Mistake(
-                "assets.folders", f"{folder} has no models", "see docs/your-models.md for the layout", "E-CONFIG-FILE"
-            )
+            mend = "see docs/your-models.md for the layout"
+            yield Mistake("assets.folders", f"{folder} has no models", mend, "E-CONFIG-FILE")
     if config.assets.own_only and not config.assets.folders:
         what = "there are no models of yours"
         yield Mistake("assets.own_only", what, "name their folder in assets.folders (docs/your-models.md)")
@@ -206,9 +195,8 @@ def _matching(config: "Config") -> Iterator[Mistake]:
             files = [Path(folder, name) for name in ("config.json", "model.safetensors")]
             lacking = [file.name for file in files if not folder or not file.is_file()]
             if lacking:
-                yield Mistake(
-                    f"{where}.{key}", f"no {lacking[0]} in '{folder}'", "the folder of the weights", "E-CONFIG-FILE"
-                )
+                what = f"no {lacking[0]} in '{folder}'"
+                yield Mistake(f"{where}.{key}", what, "the folder of the weights", "E-CONFIG-FILE")
 
 
 def _environment(config: "Config") -> Iterator[Mistake]:

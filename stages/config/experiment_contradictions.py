@@ -78,10 +78,8 @@ def training_sets(config: "Config") -> Iterator[Mistake]:
             yield Mistake("experiment.held_out", what, "leave it out or raise experiment.cousins", "E-CONFIG-UNKNOWN")
     left = experiment.training_ranks
     asked = {"experiment.training_sets": experiment.training_sets}
-    asked |= {
-        f"experiment.policies.{name}.training_sets": policy.training_sets or []
-        for name, policy in experiment.policies.items()
-    }
+    own = experiment.policies.items()
+    asked |= {f"experiment.policies.{name}.training_sets": policy.training_sets or [] for name, policy in own}
     for key, names in asked.items():
         for name in names:
             rule, needed, _ = read_set(name)
@@ -116,11 +114,8 @@ def test_assets(config: "Config") -> Iterator[Mistake]:
         for name in dict.fromkeys(name for plan in plans for name in plan.configs):
             key = f"training.configs.{name}.num_checkpoints"
             if name in config.training.configs and not config.training.configs[name].num_checkpoints:
-                yield Mistake(
-                    "evaluation.checkpoint",
-                    f"is rollouts, but {key} = 0 leaves none",
-                    f"set {key}, or use best or last",
-                )
+                what = f"is rollouts, but {key} = 0 leaves none"
+                yield Mistake("evaluation.checkpoint", what, f"set {key}, or use best or last")
 
 
 def simulators(config: "Config") -> Iterator[Mistake]:
@@ -172,17 +167,12 @@ def networks(config: "Config") -> Iterator[Mistake]:
     plans = [experiment.plan(name) for name in experiment.policies]
     for each in dict.fromkeys(each for plan in plans for each in plan.configs if each in known):
         options = known[each]
-        points = {
-            config.task_of(name).points: f"experiment.targets.{name}.options"
-            if "points" in experiment.targets[name].options
-            else "task"
-            for plan in plans
-            if each in plan.configs
-            for name in plan.targets
-            if name in experiment.targets
-        }
-        if points and options.points > min(points):
-            what = f"{options.points} of {points[min(points)]}.points = {min(points)}"
+        opened = [name for plan in plans if each in plan.configs for name in plan.targets if name in experiment.targets]
+        points = {config.task_of(name).points: name for name in opened}
+        if options.points > (least := min(points, default=options.points)):
+            own = "points" in experiment.targets[points[least]].options
+            where = f"experiment.targets.{points[least]}.options" if own else "task"
+            what = f"{options.points} of {where}.points = {least}"
             yield Mistake(f"training.configs.{each}.points", what, "lower it or raise task.points")
         if options.num_checkpoints > options.steps:
             what = f"{options.num_checkpoints} checkpoints of {options.steps} steps"

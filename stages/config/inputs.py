@@ -29,18 +29,14 @@ def scene_of(path: Path) -> str:
     Otherwise what it has of these, with a digest of it: no two names become one, but a name written in two ways (NFC).
     """
     name = unicodedata.normalize("NFC", path.name)
-    kept = "".join(each if each == "-" or _is_of_word(each) else " " for each in name)
+    own = ("Mn", "Mc")  # vowels and accents that are written as characters of their own
+    kept = "".join(c if c == "-" or c.isalnum() or unicodedata.category(c) in own else " " for c in name)
     words = [word for word in kept.split() if any(each == "-" or each.isalnum() for each in word)]
     plain = "_".join(words).lstrip("-")
     if plain == name and 0 < len(name.encode()) <= LONGEST:
         return name
     mark = sha256(os.fsencode(name)).hexdigest()[:6]
     return f"{plain.encode()[: LONGEST - 7].decode(errors='ignore') or 'photo'}-{mark}"
-
-
-def _is_of_word(each: str) -> bool:
-    """Whether a character is a letter or a digit, or a vowel or an accent that is written as one of its own."""
-    return each.isalnum() or unicodedata.category(each) in ("Mn", "Mc")
 
 
 def is_scene(name: str) -> bool:
@@ -83,9 +79,7 @@ class DepthNoiseConfig(Section):
     """Error that is added to perfect depth, so that it errs as estimated depth does."""
 
     range_constant: float = Field(USUAL_ERROR.a, ge=0, description="a of the range noise sigma(z) = a + b z^2, metres.")
-    range_quadratic: float = Field(
-        USUAL_ERROR.b, ge=0, description="b of the range noise, 1/metres: 1.7 cm in all at 3 m."
-    )
+    range_quadratic: float = Field(USUAL_ERROR.b, ge=0, description="b of it, 1/metres: 1.7 cm in all at 3 m.")
     scale: float = Field(0.01, ge=0, description="Standard deviation of one factor on all depths of the picture.")
 
 
@@ -93,28 +87,17 @@ class ExtractionConfig(Section):
     """From pixels, depth and masks to objects in the floor frame."""
 
     source: str = Field(
-        "folder",
-        json_schema_extra={"kind": "sources"},
-        description="Where depth, masks and captions come from. folder: from the files in the input folder.",
+        "folder", json_schema_extra={"kind": "sources"}, description="Source of depth, masks and captions."
     )
     kwargs: dict[str, Any] = KWARGS
     depth_noise: Literal["model", "none"] = Field(
-        "model",
-        description="model: exact depth from the renderer is put through `noise` first. none: it is used as it is. "
-        "Depth of your own pictures is never disturbed.",
+        "model", description="model: a renderer's exact depth is put through `noise` first; that of pictures never is."
     )
     noise: DepthNoiseConfig = Field(DepthNoiseConfig(), description="The noise model of `depth_noise: model`.")
     crop: float = Field(0.9, gt=0, le=1, description="Central part of the image that is used (paper: 0.9).")
-    restore_border: bool = Field(
-        True, description="Continue depth onto the border that was taken off, so that boxes keep their size."
-    )
+    restore_border: bool = Field(True, description="Continue depth onto the border, so that boxes keep their size.")
     max_tilt: float = Field(60.0, gt=0, lt=90, description="Largest angle between image-up and floor normal, degrees.")
-    trim: float = Field(
-        0.01,
-        ge=0,
-        lt=0.25,
-        description="Share of the points left out at either end of a box (0: raw extremes).",
-    )
+    trim: float = Field(0.01, ge=0, lt=0.25, description="Share of the points left out at either end of a box.")
 
     def list_unread(self) -> set[str]:
         """The noise model, if there is no noise."""

@@ -35,9 +35,7 @@ class Config(Section):
 
     seed: Seed = Field(0, description="Seed of everything random: library, rooms, noise, demonstrations, rollouts.")
     image: str = Field(
-        "",
-        description="A picture, for the target `photo`: the one scene in the place of `experiment.rooms`, without "
-        'tasks (docs/your-data.md). "": none.',
+        "", description="A picture, for the target `photo`, in the place of `experiment.rooms` (docs/your-data.md)."
     )
     depth: str = Field("", description="Depth of the picture `image`, aligned to it.")
     camera: str = Field("", description="Its intrinsics: a file, or the camera's name (docs/your-data.md).")
@@ -46,32 +44,22 @@ class Config(Section):
         description="Packages beside the core (docs/architecture.md), and which are on.",
     )
     plugins: list[str] = Field(
-        [],
-        description="Packages of yours with further implementations (docs/extending.md): in this folder, installed, "
-        "or on PYTHONPATH.",
+        [], description="Packages of yours with implementations (docs/extending.md), installed or on PYTHONPATH."
     )
     device: Literal["cpu", "cuda"] = Field("cpu", description="Where networks are trained and run.")
     experiment: ExperimentConfig = Field(ExperimentConfig(), description="Which cells of the paper's tables are run.")
     assets: AssetsConfig = Field(AssetsConfig(), description="The asset library and its snapshots (A.1).")
-    perception: PerceptionSection = Field(
-        PerceptionSection(), description="From a picture of yours to an input folder (2.1, A.2, A.7)."
-    )
+    perception: PerceptionSection = Field(PerceptionSection(), description="From a picture to an input folder (2.1).")
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingSection = Field(MatchingSection(), description="Digital cousins of every object (A.6, A.7, B.1).")
     generation: GenerationConfig = Field(GenerationConfig(), description="Placing the cousins (A.3, A.7).")
-    task: TaskConfig = Field(
-        TaskConfig(), description="The tasks' environment, the same in demos and evaluation (B.3)."
-    )
-    demonstrations: DemonstrationsConfig = Field(
-        DemonstrationsConfig(), description="Automatic demonstrations (A.4, A.5)."
-    )
+    task: TaskConfig = Field(TaskConfig(), description="The tasks' environment, in demos and evaluation (B.3).")
+    demonstrations: DemonstrationsConfig = Field(DemonstrationsConfig(), description="Demonstrations (A.4, A.5).")
     training: TrainingSection = Field(TrainingSection(), description="Policies (B.3).")
     evaluation: EvaluationConfig = Field(EvaluationConfig(), description="Rollouts and scene scores (B.1, B.3).")
     tables: TablesConfig = Field(TablesConfig(), description="Tables, figures and the report page.")
     stages: Replaced = Field(
-        {},
-        description="Replace commands of stages by commands of yours, "
-        "e.g. {matching: {match: {command: python mine.py, code: [mine.py]}}} (docs/extending.md).",
+        {}, description="Your commands for ours: {matching: {match: {command: ..., code: [...]}}} (docs/extending.md)."
     )
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")
 
@@ -93,9 +81,8 @@ class Config(Section):
 
     def matching_of(self, variant: str) -> MatchingConfig:
         """The options of one variant: `matching` and packages' sections, with what it changes, key by key."""
-        model = matching_model(
-            name for name in find_packages() if find_packages()[name].sections.keys() <= type(self).model_fields.keys()
-        )
+        known = type(self).model_fields.keys()
+        model = matching_model(name for name, each in find_packages().items() if each.sections.keys() <= known)
         beside = {name: getattr(self, name).model_dump() for name in model.list_package_sections()}
         changed = merge_mappings(self.matching.model_dump() | beside, self.experiment.variants[variant])
         return resolve_names(model.model_validate(changed), self.implementations, f"experiment.variants.{variant}")
@@ -112,9 +99,8 @@ class Config(Section):
 
     def task_of(self, target: str) -> TaskConfig:
         """The task options of a target: those of `task` with what it changes, key by key."""
-        return TaskConfig.model_validate(
-            merge_mappings(self.task.model_dump(), self.experiment.targets[target].options)
-        )
+        changes = self.experiment.targets[target].options
+        return TaskConfig.model_validate(merge_mappings(self.task.model_dump(), changes))
 
     def rooms(self) -> dict[str, Objects]:
         """The rooms that packages make, by their names."""
@@ -137,12 +123,8 @@ class Config(Section):
 
 def merge_mappings(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """`base` with `changes`; mappings in mappings are merged, everything else is replaced."""
-    both = {key: merge_mappings(base[key], value) for key, value in changes.items() if _mappings(base.get(key), value)}
-    return base | changes | both
-
-
-def _mappings(*values: Any) -> bool:
-    return all(isinstance(value, dict) for value in values)
+    both = [key for key, value in changes.items() if isinstance(value, dict) and isinstance(base.get(key), dict)]
+    return base | changes | {key: merge_mappings(base[key], changes[key]) for key in both}
 
 
 def with_defaults(config: dict[str, Any]) -> dict[str, Any]:
@@ -155,26 +137,17 @@ def with_defaults(config: dict[str, Any]) -> dict[str, Any]:
 
 
 def read_files(files: Iterable[Path]) -> Config:
-    """The config of a run with these files over the defaults, later ones over earlier ones.
-
-    Raises:
-        InputError: a file cannot be read, or the config has mistakes.
-    """
+    """The config of a run with these files over the defaults, later ones over earlier ones."""
     return load(with_defaults(reduce(merge_mappings, map(read_file, files), {})))
 
 
 def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
-    """Validate a merged config.
-
-    Args:
-        rooms_named: False: `experiment.rooms` names none, as stages are called by hand (plugins/api).
-
-    Raises:
-        InputError: names all mistakes, a line each, with key and mend.
-    """
+    """Validate a merged config; an `InputError` names all mistakes, a line each, with key and mend. Without
+    `rooms_named` `experiment.rooms` names none, as stages are called by hand (plugins/api)."""
     on = _packages_on(config)
     model = with_sections(Config, on)
-    config = {key: value for key, value in config.items() if key in model.model_fields or not _is_silent(key)}
+    silent = {section for package in find_packages().values() for section in package.sections} - set(model.model_fields)
+    config = {key: value for key, value in config.items() if key not in silent}
     config, unread = read_sources(config)
     valid, mistakes = validate_config(model, without_removed(config, model))
     mistakes += unread
@@ -207,11 +180,6 @@ def _packages_on(config: dict[str, Any]) -> dict[str, Package]:
     given = config.get("packages")
     off = [name for name, on in given.items() if on is False] if isinstance(given, dict) else []
     return {name: package for name, package in find_packages().items() if name not in off}
-
-
-def _is_silent(section: str) -> bool:
-    """Whether a section belongs to a package of this checkout."""
-    return any(section in package.sections for package in find_packages().values())
 
 
 def _overlays(config: Config) -> Iterator[Mistake]:

@@ -23,21 +23,14 @@ def kind_of(section: type[Section], field: str) -> str | None:
 def modules(section: Section, *fields: str) -> list[str]:
     """Modules of the implementations that some keys of a section name, for the digest of a job's code."""
     named = [(kind_of(type(section), field) or "", getattr(section, field)) for field in fields]
-    return [
-        qualify_module(kind, name) for kind, value in named for name in ([value] if isinstance(value, str) else value)
-    ]
+    found = [(kind, [value] if isinstance(value, str) else value) for kind, value in named]
+    return [qualify_module(kind, name) for kind, names in found for name in names]
 
 
 def resolve_names(section: S, packages: Sequence[str], path: str, mistakes: list[Mistake] | None = None) -> S:
-    """The section with the names of a user's implementations qualified, so that a stage can import them.
-
-    Args:
-        mistakes: gets names that there is no implementation of; the default takes their place, or
-            any, if it is not there.
-
-    Raises:
-        InputError: the same, if `mistakes` is not given; key and nearest name are named.
-    """
+    """The section with the names of a user's implementations qualified, so that a stage can import them. Names that
+    there is no implementation of go to `mistakes`, and the default, or any, takes their place; without it they are
+    refused."""
     changes: dict[str, Any] = {}
     for field in type(section).model_fields:
         kind, value, key = kind_of(type(section), field), getattr(section, field), f"{path}.{field}".lstrip(".")
@@ -84,9 +77,8 @@ def _check_kwargs(section: Section, packages: Sequence[str], key: str) -> tuple[
     checked, mistakes = dict[str, Any](), list[Mistake]()
     for name, options in given.items():
         if name not in known:
-            mistakes.append(
-                Mistake(f"{key}.{name}", f"there is no '{name}'", suggest_nearest(name, known), "E-PLUGIN-UNKNOWN")
-            )
+            mend = suggest_nearest(name, known)
+            mistakes.append(Mistake(f"{key}.{name}", f"there is no '{name}'", mend, "E-PLUGIN-UNKNOWN"))
             continue
         checked[name], wrong = _check_options(find_options(*known[name]), options, f"{key}.{name}")
         mistakes += wrong
@@ -124,9 +116,7 @@ class ReplacementCommand(Section):
         description="Called as `<command> --flags ...` with the flags of the command (docs/extending.md); what it "
         "writes is checked against the contract before the workflow goes on.",
     )
-    code: list[str] = Field(
-        [], description="Files and folders of the command: an edit of one makes what it wrote again."
-    )
+    code: list[str] = Field([], description="Files and folders of the command: an edit makes what it wrote again.")
 
 
 def _known_commands(value: Any) -> Any:

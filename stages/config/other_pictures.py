@@ -49,12 +49,8 @@ def _read_digest(experiment: ExperimentConfig, scene: str) -> str:
     return hand.digest_of_picture(folder) if (folder / "rgb.png").is_file() else ""
 
 
-HOLD = (
-    "scenes/{}/view/camera.json",
-    "scenes/{}/frame/camera.json",
-    "photo/{}/camera.json",
-    "extraction/{}/objects.json",
-)
+HOLD = [f"{place}/camera.json" for place in ("scenes/{}/view", "scenes/{}/frame", "photo/{}")]
+HOLD += ["extraction/{}/objects.json"]
 
 
 class _Made(BaseModel):

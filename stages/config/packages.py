@@ -82,11 +82,7 @@ def rule_files(on: Mapping[str, bool]) -> list[str]:
 
 
 def check_targets(asked: Collection[str], on: Mapping[str, bool], image: str = "") -> None:
-    """Refuse targets of packages that are off, and the one of a picture without a picture.
-
-    Raises:
-        InputError: one is asked for; the message names its package, or how a picture is given.
-    """
+    """Refuse targets of packages that are off, and the one of a picture without a picture."""
     if "photo" in asked and not image:
         mend = "snakemake --cores 2 photo --config image=kitchen.jpg"
         raise InputError("image", "there is no picture.", mend, code="E-CONFIG-FILE")
@@ -98,15 +94,8 @@ def check_targets(asked: Collection[str], on: Mapping[str, bool], image: str = "
 
 
 def check_rules(command: Sequence[str], snakefile: str) -> None:
-    """Refuse targets that are no files and no rules of ours, unless another workflow has ours as a module.
-
-    Args:
-        command: a command line of Snakemake; of nothing else is anything asked.
-        snakefile: that of the workflow.
-
-    Raises:
-        InputError: tells the nearest rule.
-    """
+    """Refuse targets of a command line that are no files and no rules of ours, with the nearest rule, unless it is none
+    of Snakemake's or another workflow, in `snakefile`, has ours as a module."""
     home = plugins.PACKAGES.parent
     ours = [file for file in (home / "Snakefile", home / "workflow/Snakefile") if file.is_file()]
     if Path(snakefile).resolve() not in ours or not command or Path(command[0]).name != "snakemake":

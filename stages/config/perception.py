@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from roomkin.stages.config.recordings import FIELD_OF_VIEW
+from roomkin.stages.config.recordings import DegreesWide
 from roomkin.stages.config.weights import NETWORKS
 from roomkin.stages.contracts.section import KWARGS_BY_NAME, Section
 
@@ -28,17 +28,12 @@ class OutlineSection(Section):
         0.5,
         ge=0,
         le=1,
-        description="Least probability of the kin of a thing's first name (a sofa of .3, an armchair of .3: a seat of "
-        ".6); else it is left out, and told on the page.",
+        description="Least probability of the kin of a first name (sofa .3, armchair .3: seat .6), else left out.",
     )
     detector: str = Field("weights/grounding_dino", description="Weights of Grounding DINO: a box for every label.")
     segmenter: str = Field("weights/sam2", description="Weights of SAM 2: a mask for every box.")
-    box_threshold: float = Field(
-        0.3, gt=0, lt=1, description="Least score of a box of Grounding DINO (official code: 0.3)."
-    )
-    labels: list[str] = Field(
-        [], description="Labels to detect if no language model is used; []: the categories of the library."
-    )
+    box_threshold: float = Field(0.3, gt=0, lt=1, description="Least score of a box of Grounding DINO (official: 0.3).")
+    labels: list[str] = Field([], description="Labels to detect without a language model; []: the library's.")
 
     def list_unread(self) -> set[str]:
         """What the chosen proposers do not need."""
@@ -54,9 +49,7 @@ class SeeSection(OutlineSection):
         "`labels`. vlm: a vision-language model lists them, names every found thing, counts its doors and drawers.",
     )
     mounting: Literal["geometry", "vlm"] = Field(
-        "vlm",
-        description="What decides which objects hang, stand, or touch which wall (A.2). vlm: the language model of "
-        "`captions: vlm`, geometry where it has no usable answer.",
+        "vlm", description="Who decides what hangs or stands (A.2). vlm: with `captions: vlm`, else geometry."
     )
 
     def list_unread(self) -> set[str]:
@@ -67,26 +60,18 @@ class SeeSection(OutlineSection):
 class CameraSection(Section):
     """What is told of the camera of a picture without depth."""
 
-    field_of_view: float | None = Field(
-        None,
-        ge=FIELD_OF_VIEW[0],
-        le=FIELD_OF_VIEW[1],
-        description="Degrees over the width of a picture without depth. null: by EXIF, lines in the picture, or a "
-        "usual camera, with a note in the log.",
+    field_of_view: DegreesWide | None = Field(
+        None, description="Degrees over a picture without depth. null: by EXIF, lines in it, or a usual camera."
     )
     lens: str | None = Field(
-        None,
-        description="Calibration of its camera (JSON, YAML as OpenCV, ROS, Kalibr write them): the picture is made "
-        "straight first, and its focal length is known.",
+        None, description="Calibration of its camera (JSON, YAML of OpenCV, ROS, Kalibr): it is made straight first."
     )
 
 
 class DrawOptions(OutlineSection, CameraSection):
     """What `draw` reads."""
 
-    heights: dict[str, float] = Field(
-        {}, description="Heights that you know, metres: of the `camera`, of things by label: {fridge: 1.8}."
-    )
+    heights: dict[str, float] = Field({}, description="Heights that you know, metres: {camera: 1.6, fridge: 1.8}.")
 
 
 class MeasureOptions(CameraSection):

@@ -20,7 +20,7 @@ from roomkin.stages.config.inputs import (
     suggest_scene,
 )
 from roomkin.stages.config.mistakes import Mistake
-from roomkin.stages.config.recordings import FIELD_OF_VIEW, FIELDS_OF_VIEW, list_frames, name_picture
+from roomkin.stages.config.recordings import FIELDS_OF_VIEW, DegreesWide, list_frames, name_picture
 from roomkin.stages.contracts.errors import InputError, suggest_file, suggest_nearest
 from roomkin.stages.contracts.files import decode_file
 from roomkin.stages.contracts.hand import digest_of_image, digest_of_picture
@@ -45,20 +45,10 @@ class Picture(Section):
     fy: float | None = Field(None, gt=0)
     cx: float | None = None
     cy: float | None = None
-    fov: float | None = Field(
-        None,
-        ge=FIELD_OF_VIEW[0],
-        le=FIELD_OF_VIEW[1],
-        description="in the place of both: degrees over the picture's width",
-    )
-    masks: str = Field(
-        "",
-        description="JSON, YOLO's text, a PNG or a folder of outlines; none: they are found (section `perception`)",
-    )
+    fov: DegreesWide | None = Field(None, description="in the place of both: degrees over the picture's width")
+    masks: str = Field("", description="JSON, YOLO's text, a PNG or a folder of outlines; none: they are found")
     labels: str = Field("", description="what their numbers are called, if they do not say it: JSON or data.yaml")
-    drawing: str = Field(
-        "", description="of a picture without depth: project.json that the page wrote, in the place of networks"
-    )
+    drawing: str = Field("", description="of a picture without depth: project.json of the page, in networks' place")
     _row: str = PrivateAttr("")
     _measured: bool = PrivateAttr(False)  # a network measures its depth, as the whole config says
 
@@ -89,11 +79,8 @@ class Picture(Section):
         return self._measured
 
     def read_digest(self, frames: Callable[[Path], list[tuple[Path, Path]]] = list_frames) -> str:
-        """SHA-256 of the picture's file; empty: it cannot be read, which the rule that reads it says.
-
-        Args:
-            frames: what lists those of a recording.
-        """
+        """SHA-256 of the picture's file; empty: it cannot be read, which the rule that reads it says. `frames`: lists
+        those of a recording."""
         try:
             if self.folder:
                 return digest_of_picture(Path(self.folder))
@@ -116,16 +103,11 @@ class Picture(Section):
     def flags(self, files: Mapping[str, Any]) -> str:
         """The flags of `from-rgbd` for a frame; `files`: where its files lie now, by their keys."""
         flags = {
-            "--rgb": files.get("image"),
-            "--depth": files.get("depth"),
-            "--recording": files.get("recording"),
-            "--masks": files.get("masks"),
-            "--labels": files.get("labels"),
-            "--unit": self.unit,
+            "--rgb": files.get("image"), "--depth": files.get("depth"), "--recording": files.get("recording"),
+            "--masks": files.get("masks"), "--labels": files.get("labels"), "--unit": self.unit,
             "--depth-is": None if self.depth_is == "z" else self.depth_is,
-            "--number": None if self.depth else self.number,
-            "--camera": files.get("camera") or self.camera or self.fov,
-        }
+            "--number": None if self.depth else self.number, "--camera": files.get("camera") or self.camera or self.fov,
+        }  # fmt: skip
         words = [word for flag, value in flags.items() if value for word in (flag, str(value))]
         matrix = ["--camera", *map(str, self.intrinsics)] if self.intrinsics else []
         return shlex.join([*words, *matrix])
@@ -192,9 +174,8 @@ def read_sources(config: dict[str, Any]) -> tuple[dict[str, Any], list[Mistake]]
             if isinstance(found, Mistake):
                 mistakes.append(found)
             elif name in inputs:
-                mistakes.append(
-                    Mistake(where, f"there are two scenes '{name}'", "give one another name", "E-CONFIG-TWICE")
-                )
+                what = f"there are two scenes '{name}'"
+                mistakes.append(Mistake(where, what, "give one another name", "E-CONFIG-TWICE"))
             else:
                 inputs[name] = found
     return config | {"experiment": {**experiment, "inputs": inputs}}, mistakes  # type: ignore[dict-item]
@@ -241,10 +222,8 @@ def _of_table(table: Path) -> Found:
             continue
         scene = cells_by_name.pop("scene", "")
         if len(cells) > len(columns):
-            wrong = Mistake(
-                where, f"has {len(cells)} cells for {len(columns)} columns", "quote commas", "E-CONFIG-VALUE"
-            )
-            yield where, scene, wrong
+            what = f"has {len(cells)} cells for {len(columns)} columns"
+            yield where, scene, Mistake(where, what, "quote commas", "E-CONFIG-VALUE")
         elif not is_scene(scene):
             what = f"'{scene}' is no name"
             yield where, scene, Mistake(f"{where}, column scene", what, suggest_scene(scene), "E-CONFIG-NAME")
@@ -258,9 +237,8 @@ def _of_row(cells_by_name: dict[str, str], where: str, folder: Path) -> Picture 
     except ValidationError as error:
         detail = error.errors()[0]
         what = f"{detail['msg'].removeprefix('Value error, ')} (got '{detail['input']}')"
-        return Mistake(
-            f"{where}, column {detail['loc'][0]}", what, "docs/your-data.md says what a column holds", "E-CONFIG-VALUE"
-        )
+        mend = "docs/your-data.md says what a column holds"
+        return Mistake(f"{where}, column {detail['loc'][0]}", what, mend, "E-CONFIG-VALUE")
     found = plain.model_copy(update={key: (folder / path).as_posix() for key, path in plain.files().items()})
     found._row = where
     return found

@@ -35,14 +35,8 @@ CORE: dict[tuple[str, str], type[Section]] = {
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): PolicyTables,
 }
-READS = CORE | {
-    (name, command): reads
-    for name, package in find_packages().items()
-    for command, reads in package.commands.items()
-    if reads is not None
-}
-
-
+_commands = [(name, *each) for name, package in find_packages().items() for each in package.commands.items()]
+READS = CORE | {(name, command): reads for name, command, reads in _commands if reads is not None}
 # Wildcards of rules by which the options of a command differ.
 WILDCARDS = ("scene", "variant", "store", "role", "run", "condition")
 
@@ -81,8 +75,8 @@ def options_of(config: Config, stage: str, command: str, wildcards: dict[str, st
         section = reads.model_construct(**dict(section), **beside)
     kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.list_unread())
     if "kwargs" in kept and (len(kinds) > 1 or isinstance(getattr(section, kinds[0]), list)):  # by name
-        read = set(kinds) & set(reads.model_fields)
-        used = {shorten_name(name) for field in read for name in _names(getattr(section, field))}
+        values = [getattr(section, field) for field in set(kinds) & set(reads.model_fields)]
+        used = {shorten_name(name) for value in values for name in ([value] if isinstance(value, str) else value)}
         kept["kwargs"] = {name: options for name, options in kept["kwargs"].items() if name in used}
     if not is_randomised(wildcards.get("role", "")):
         kept.pop("randomise", None)  # of such roles' demonstrations alone
@@ -108,7 +102,3 @@ def describe_picture(config: Config, command: str, scene: str) -> str:
 def stores(config: Config) -> dict[str, EncoderOptions]:
     """The feature stores of a run by name."""
     return {options.store(): options for options in map(config.matching_of, config.experiment.variants)}
-
-
-def _names(value: str | list[str]) -> list[str]:
-    return [value] if isinstance(value, str) else value

