@@ -1,7 +1,6 @@
 """Command `picture`: from a picture of the user's to scenes."""
 
 import sys
-from functools import partial
 from pathlib import Path
 
 from roomkin.stages.config.packages import load_command
@@ -36,15 +35,10 @@ def run(
         if not path.exists():
             raise file_missing(path)
     load_command("perception", "fetch")()
-    then = partial(_show, image) if sys.stdout.isatty() else None
+    then = (lambda: load_command("annotator", "after")(image)) if sys.stdout.isatty() else None  # somebody sits there
     files = ["--configfile", *map(str, config)] if config else []
     given = [f"{key}={_as_text(path)}" for key, path in named.items() if path]
     run_snakemake(cores, "photo", *files, "--config", *given, then=then)
-
-
-def _show(image: Path) -> None:
-    """The page of the scene, where somebody sits before it."""
-    load_command("annotator", "after")(image)
 
 
 def _as_text(path: Path) -> str:

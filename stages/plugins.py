@@ -68,21 +68,14 @@ def folder(package: str) -> Path:
     head, *parts = package.split(".")
     spec = find_spec(head)
     if spec is None or not spec.submodule_search_locations:
-        raise InputError(
-            "plugins",
-            f"there is no package '{head}'.",
-            "put it into this folder, install it, or set PYTHONPATH",
-            code="E-PLUGIN-PACKAGE",
-        )
+        fix = "put it into this folder, install it, or set PYTHONPATH"
+        raise InputError("plugins", f"there is no package '{head}'.", fix, code="E-PLUGIN-PACKAGE")
     return Path(spec.submodule_search_locations[0]).joinpath(*parts)
 
 
 def list_available(kind: str, packages: Sequence[str] | None = None) -> dict[str, str]:
     """Qualified module name of every implementation by its name: the core's and those of `packages` (None: all here).
-
-    Raises:
-        InputError: a package is not there, or a name is taken twice.
-    """
+    `InputError`: a package is not there, or a name is taken twice."""
     found: dict[str, str] = {}
     packages = list_shipped() if packages is None else packages
     for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in packages)]:
@@ -91,31 +84,22 @@ def list_available(kind: str, packages: Sequence[str] | None = None) -> dict[str
             if name.startswith("_") or not _is_one(file, KINDS[kind].symbol):
                 continue
             if name in found:
-                raise InputError(
-                    "plugins",
-                    f"{kind} '{name}' is in {found[name]} and in {home}.",
-                    "rename yours",
-                    code="E-PLUGIN-TWICE",
-                )
+                what = f"{kind} '{name}' is in {found[name]} and in {home}."
+                raise InputError("plugins", what, "rename yours", code="E-PLUGIN-TWICE")
             found[name] = f"{home}.{name}"
     return found
 
 
 def find(kind: str, name: str, packages: Sequence[str] | None = None, key: str = "") -> str:
-    """The name to load an implementation by: as it is for ours, qualified for a user's.
-
-    Raises:
-        InputError: there is none of that name; the message has the `key` of the config and what to do instead: turn
-            its package on, or take the nearest name.
-    """
+    """The name to load an implementation by: as it is for ours, qualified for a user's. The `InputError` has the `key`
+    of the config and what to do instead: turn its package on, or take the nearest name."""
     known = list_available(kind, packages)
     if name in known.values():
         return name
     if name not in known:
         package = "".join(_list_ours(kind).get(name, "").split(".")[2:3])
-        mend = (
-            f"packages: {{{package}: true}}, or one of {', '.join(known)}" if package else suggest_nearest(name, known)
-        )
+        off = f"packages: {{{package}: true}}, or one of {', '.join(known)}"
+        mend = off if package else suggest_nearest(name, known)
         raise InputError(key or kind, f"there is no '{name}'.", mend, code="E-PLUGIN-UNKNOWN")
     return name if known[name] == _list_ours(kind).get(name) else known[name]
 
@@ -137,20 +121,15 @@ def shorten_name(name: str) -> str:
 
 
 def load(kind: str, name: str) -> Any:
-    """Import what `find` found: the class, function or value that the module defines.
-
-    Raises:
-        InputError: there is no such module, or it defines no such thing.
-    """
+    """Import what `find` found: the class, function or value that the module defines."""
     module, symbol = qualify_module(kind, name if "." in name else find(kind, name)), KINDS[kind].symbol
     try:
         implementation = getattr(importlib.import_module(module), symbol, None)
     except ModuleNotFoundError as error:
         if not f"{module}.".startswith(f"{error.name}."):
             raise  # it is there, and misses something itself
-        raise InputError(
-            kind, f"there is no module {module}.", "put its package on PYTHONPATH", code="E-PLUGIN-PACKAGE"
-        ) from None
+        what, fix = f"there is no module {module}.", "put its package on PYTHONPATH"
+        raise InputError(kind, what, fix, code="E-PLUGIN-PACKAGE") from None
     if implementation is None:
         raise InputError(kind, f"{module} defines no {symbol}.", "see docs/extending.md", code="E-PLUGIN-SYMBOL")
     return implementation
@@ -172,11 +151,8 @@ def find_options(kind: str, name: str) -> type[Section]:
 
 
 def parse_kwargs(options: type[S], kwargs: Mapping[str, Any], key: str = "kwargs") -> S:
-    """The options of an implementation from those that are given.
-
-    Raises:
-        InputError: one is not known, or has no such value.
-    """
+    """The options of an implementation from those that are given; `InputError`: one is not known, or has no such
+    value."""
     try:
         return options.model_validate(kwargs)
     except ValidationError as error:

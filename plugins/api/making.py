@@ -93,9 +93,8 @@ def make_scenes(
     scene, variant = scene_of_folder(source), settings.experiment.policy_variant
     image, objects, cousins = source / "rgb.png", folder / "objects.json", folder / "cousins.json"
     if read_digest(objects) not in ("", digest_of_picture(source)):
-        raise InputError(
-            objects, "is of another picture.", "choose another folder, or delete this one", code="E-PICTURE-OTHER"
-        )
+        fix = "choose another folder, or delete this one"
+        raise InputError(objects, "is of another picture.", fix, code="E-PICTURE-OTHER")
     kept = find_hand_file(source, CORRECTIONS, partial(digest_of_picture, source))
     said = read_corrections(files := tuple(path for path in [kept] if path.is_file()))
     corrections = {stage: files if said.read_by(stage).is_any else () for stage in ("extraction", "generation")}

@@ -87,9 +87,8 @@ def _prefix_of(script: Path) -> str:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "sitecustomize.py").write_text(TELL_PREFIX, encoding="utf-8")
         try:
-            done = subprocess.run(
-                [script], capture_output=True, text=True, timeout=120, env=os.environ | {"PYTHONPATH": folder}
-            )
+            env = os.environ | {"PYTHONPATH": folder}
+            done = subprocess.run([script], capture_output=True, text=True, timeout=120, env=env)
         except (OSError, subprocess.TimeoutExpired):
             return ""
     return done.stdout.strip() if done.returncode == 0 else ""
@@ -237,10 +236,8 @@ def report(found: list[Check]) -> int:
     """Print checks, a line each; returns the exit code: 1 if something needed is missing."""
     for check in found:
         mark = "ok  " if check.good else ("MISS" if check.needed else "-   ")
-        print(
-            f"{mark} {check.name:<11} {check.found}"
-            + (f"\n     fix: {check.fix}" if not check.good and check.fix else "")
-        )
+        fix = f"\n     fix: {check.fix}" if not check.good and check.fix else ""
+        print(f"{mark} {check.name:<11} {check.found}{fix}")
     return int(any(check.needed and not check.good for check in found))
 
 

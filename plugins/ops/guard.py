@@ -87,11 +87,7 @@ def is_taken_over() -> bool:
 
 
 def stop_if_taken_over(path: Path) -> None:
-    """Refuse to put a result into its place in a folder that another workflow has taken over.
-
-    Raises:
-        InputError: it has.
-    """
+    """Refuse to put a result into its place in a folder that another workflow has taken over."""
     if is_taken_over():
         raise InputError(path, "is not written: another workflow has taken over this folder.", code="E-FOLDER-TAKEN")
 
@@ -175,12 +171,8 @@ def hold_folder(results: Path = Path("results")) -> IO[str]:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         owner = f"process {before.pid} on {before.host}" if before else "process unknown"
-        raise InputError(
-            Path.cwd(),
-            f"another workflow is running here ({owner}).",
-            "wait until it ends, or stop it",
-            code="E-FOLDER-BUSY",
-        ) from None
+        what = f"another workflow is running here ({owner})."
+        raise InputError(Path.cwd(), what, "wait until it ends, or stop it", code="E-FOLDER-BUSY") from None
     except OSError as error:
         locked = False
         print(

@@ -4,7 +4,6 @@ from collections import Counter
 from pathlib import Path
 
 from roomkin.stages import plugins
-from roomkin.stages.config.matching import MatchingConfig
 from roomkin.stages.config.model import Config
 from roomkin.stages.config.packages import packages_on
 
@@ -20,7 +19,7 @@ def list_outside_paths(config: Config) -> list[str]:
         *(target.assets for target in config.experiment.targets.values() if target.assets),
         *config.assets.folders,
         *(name for own in commands for name in own.code),
-        *(path for options in matching for path in _weights(options)),
+        *(path for options in matching for path in options.weights().values() if path),
         *(path for package in packages_on(config.packages) for path in package.outside(config)),
         *(str(plugins.folder(package)) for package in config.plugins),
     ]
@@ -36,10 +35,7 @@ def list_key_variables(config: Config) -> list[str] | None:
 
 def container_environment(config: Config, published: str) -> dict[str, str]:
     """Environment variables for containers/podman-shell: images, folders to mount, keys if the network is used, a GPU.
-
-    Args:
-        published: folder of the tables of the paper's values.
-    """
+    `published`: folder of the tables of the paper's values."""
     keys = list_key_variables(config)
     return {
         "ACDC_IMAGE": config.containers.template,
@@ -55,7 +51,3 @@ def _of_inputs(config: Config) -> list[str]:
     files = [path for given in inputs for path in given.files().values()]
     folders = Counter(str(Path(path).parent) for path in files)
     return [*dict.fromkeys(folder if folders[folder := str(Path(path).parent)] > MANY else path for path in files)]
-
-
-def _weights(options: MatchingConfig) -> list[str]:
-    return [*filter(None, options.weights().values())]

@@ -52,9 +52,8 @@ def run(
     """
     settings = read_options(RolloutOptions, options)
     rows: list[Rollout] = []
-    played: dict[
-        tuple[tuple[str, int], ...], list[RolloutEpisode]
-    ] = {}  # the twin's policy: one test serves twin and trained
+    # The twin's policy: one test serves twin and trained.
+    played: dict[tuple[tuple[str, int], ...], list[RolloutEpisode]] = {}
     filmers = [import_module(name).RolloutFilms() for name in films]
     with PolicyVectorEnv(policy, assets, library, settings, device) as envs:
         tested = starts_of(envs.plan, assets, settings, trained_roles, seed)

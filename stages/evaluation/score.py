@@ -5,16 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from roomkin.stages.contracts import (
-    Cousins,
-    GeneratedScene,
-    InputError,
-    Library,
-    Objects,
-    Truth,
-    read_json,
-    write_atomically,
-)
+from roomkin.stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, read_json
+from roomkin.stages.contracts.files import write_atomically
 from roomkin.stages.contracts.generated import PlacedObject
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.policies import SceneScore
@@ -23,11 +15,7 @@ from roomkin.stages.evaluation.scoring import score_scene
 
 
 def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Truth) -> None:
-    """All files must be of one room.
-
-    Raises:
-        InputError: they are not.
-    """
+    """Refuse files of different rooms."""
     names = {scene.scene for scene in scenes} | {objects.scene, truth.scene}
     if len(names) > 1:
         what = f"are of different scenes: {', '.join(sorted(names))}."
@@ -35,11 +23,7 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
 
 
 def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], categories: Mapping[str, str]) -> None:
-    """Models are of the categories that the library knows by their ids.
-
-    Raises:
-        InputError: one is not.
-    """
+    """Refuse models of other categories than the library knows by their ids."""
     for item in items:
         known = categories.get(item.asset, item.category)
         if item.category != known:
@@ -48,20 +32,14 @@ def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], cat
 
 
 def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
-    """Who decided on model and orientation of each object, as columns of its row.
-
-    Raises:
-        InputError: the cousins are those of another scene.
-    """
+    """Who decided on model and orientation of each object, as columns of its row; refuses another scene's cousins."""
     if cousins is None:
         return {}
     found = read_json(Cousins, cousins)
     if found.scene != scene:
         raise InputError(cousins, f"is of scene {found.scene}, not of {scene}.", code="E-SCENE-MIXED")
-    return {
-        item.id: {"model_judge": item.decided_by, "orientation_judge": item.orientation_decided_by}
-        for item in found.objects
-    }
+    sides = [(item.id, item.decided_by, item.orientation_decided_by) for item in found.objects]
+    return {name: {"model_judge": model, "orientation_judge": turn} for name, model, turn in sides}
 
 
 def run(
@@ -101,11 +79,8 @@ def run(
     check_categories(truth, true.objects, categories)
     decided = judges(cousins, true.scene)
     variant = {"protocol": protocol, "draw": draw}
-    rows = [
-        row.model_dump() | decided.get(row.object, {}) | variant
-        for scene in generated
-        for row in score_scene(scene, seen, true, folders)
-    ]
+    scored = [row for scene in generated for row in score_scene(scene, seen, true, folders)]
+    rows = [row.model_dump() | decided.get(row.object, {}) | variant for row in scored]
     table = pd.DataFrame(rows, columns=list(SceneScore.model_fields))
     with write_atomically(out) as path:
         table.to_csv(path, index=False, float_format="%.6g")

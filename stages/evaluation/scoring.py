@@ -15,9 +15,9 @@ from roomkin.stages.articulated.asset_folder import read_asset, read_model
 from roomkin.stages.articulated.model import link_frames
 from roomkin.stages.contracts import Asset, GeneratedScene, Objects, SceneScore, Truth
 from roomkin.stages.contracts.generated import PlacedObject
-from roomkin.stages.contracts.library import Vector
 from roomkin.stages.contracts.parts import PARTS
 from roomkin.stages.contracts.scenes import TrueObject
+from roomkin.stages.contracts.types import Vector
 from roomkin.stages.geometry.boxes import UprightBox, axis_aligned_iou, oriented_iou
 from roomkin.stages.geometry.frames import angle_difference, invert_transform, transform_points, yaw_of_matrix
 
@@ -103,9 +103,8 @@ def world_from_floor(world_from_camera: ArrayLike, floor_from_camera: ArrayLike)
 
 def box_in_world(item: PlacedObject, transform: NDArray[np.float64]) -> UprightBox:
     """The placed box in the world; a floor that was found a little tilted moves boxes, but does not tilt them."""
-    return UprightBox(
-        transform_points(transform, item.position), item.size, item.yaw + yaw_of_matrix(transform[:3, :3])
-    )
+    yaw = item.yaw + yaw_of_matrix(transform[:3, :3])
+    return UprightBox(transform_points(transform, item.position), item.size, yaw)
 
 
 def score_object(
@@ -117,17 +116,13 @@ def score_object(
     known = true.asset in folders and placed.asset in folders
     shape = measure_likeness(folders[true.asset], folders[placed.asset])._asdict() if known else {}
     return {
-        "status": "ok",
-        "asset": placed.asset,
-        "category_correct": placed.category == true.category,
+        "status": "ok", "asset": placed.asset, "category_correct": placed.category == true.category,
         "model_correct": placed.asset == true.asset,
         "l2_cm": 100 * float(np.linalg.norm(np.asarray(box.center) - np.asarray(truth.center))),
         "orientation_rad": turn if true.symmetry != "full" else None,
-        "orientation_paper_rad": turn if true.symmetry == "none" else None,
-        "iou": axis_aligned_iou(box, truth),
-        "oriented_iou": oriented_iou(box, truth),
-        **shape,
-    }
+        "orientation_paper_rad": turn if true.symmetry == "none" else None, "iou": axis_aligned_iou(box, truth),
+        "oriented_iou": oriented_iou(box, truth), **shape,
+    }  # fmt: skip
 
 
 def read_settling(scene: GeneratedScene, placed: PlacedObject) -> dict[str, object]:
@@ -145,13 +140,8 @@ def read_settling(scene: GeneratedScene, placed: PlacedObject) -> dict[str, obje
 def score_scene(
     scene: GeneratedScene, objects: Objects, truth: Truth, folders: Mapping[str, Path] | None = None
 ) -> list[SceneScore]:
-    """One row per true object, in the order of the truth; an object is known by its value in the masks.
-
-    Args:
-        folders: asset folders by id, for the likeness of shapes.
-
-    What is not there, or failed, counts as wrong and has no distances.
-    """
+    """One row per true object, in the order of the truth; an object is known by its value in the masks. What is not
+    there, or failed, counts as wrong and has no distances. `folders`: of assets by id, for the likeness of shapes."""
     transform = world_from_floor(truth.world_from_camera, scene.floor_from_camera)
     by_id = {item.id: item for item in scene.objects}
     id_of = {item.mask: item.id for item in objects.objects}
@@ -163,17 +153,7 @@ def score_scene(
         columns |= {"category_correct": False, "model_correct": False, "status": "failed" if placed else "missed"}
         if placed and placed.status == "ok":
             columns |= score_object(true, placed, transform, folders or {}) | read_settling(scene, placed)
-        rows.append(
-            SceneScore.model_validate(
-                {
-                    "scene": scene.scene,
-                    "variant": scene.variant,
-                    "rank": scene.rank,
-                    "scale_m": truth.scale,
-                    "object": name or f"mask_{true.mask}",
-                    "true_asset": true.asset,
-                    **columns,
-                }
-            )
-        )
+        about = {"scene": scene.scene, "variant": scene.variant, "rank": scene.rank, "scale_m": truth.scale}
+        about |= {"object": name or f"mask_{true.mask}", "true_asset": true.asset}
+        rows.append(SceneScore.model_validate(about | columns))
     return rows

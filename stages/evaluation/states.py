@@ -45,15 +45,8 @@ def initial_states(purpose: Purpose, seed: int, count: int, place: int = 0) -> l
 def starts_of(
     plan: TaskAssets, where: Path, settings: SkillOptions, trained: Sequence[str], seed: int
 ) -> dict[str, list[Start]]:
-    """The episodes of every test asset, and of the split under its name.
-
-    Args:
-        plan: the experiment's assets, read from the file `where`.
-        trained: roles that the policy was trained on; none: nothing is rolled out on `trained`.
-
-    Raises:
-        InputError: `where` has no asset of a role.
-    """
+    """The episodes of every test asset, and of the split under its name; of those in `trained`, if any, on which the
+    policy was trained. `plan`: of the file `where`."""
     states = initial_states("roles", seed, settings.rollouts)
     twins = initial_states("roles", seed, settings.twin_rollouts or settings.rollouts)
     starts: dict[str, list[Start]] = {}
@@ -73,15 +66,10 @@ def list_unseen_starts(plan: TaskAssets, settings: SkillOptions, seed: int) -> l
     found = plan.split(settings.split, settings.assets)
     if len(found) < settings.assets:
         rest = "all are used" if found else "only roles are tested"
-        print(
-            f"evaluation: the {settings.split} split has {len(found)} assets of {settings.assets}: {rest}",
-            file=sys.stderr,
-        )
-    return [
-        (asset, state)
-        for place, asset in enumerate(found)
-        for state in initial_states(settings.split, seed, settings.asset_rollouts, place)
-    ]
+        of = f"the {settings.split} split has {len(found)} assets of {settings.assets}"
+        print(f"evaluation: {of}: {rest}", file=sys.stderr)
+    states = [initial_states(settings.split, seed, settings.asset_rollouts, place) for place in range(len(found))]
+    return [(asset, state) for asset, own in zip(found, states, strict=True) for state in own]
 
 
 def share_states(assets: Sequence[TaskAsset], states: Sequence[int]) -> list[Start]:

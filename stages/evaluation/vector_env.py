@@ -73,11 +73,8 @@ def roll_out(
         start(env_id)
     while running:
         env_ids = list(running)
-        actions = policy.get_action(
-            env_ids,
-            [observations[env_id]["point_cloud"] for env_id in env_ids],
-            [observations[env_id]["proprio"] for env_id in env_ids],
-        )
+        seen = [observations[env_id] for env_id in env_ids]
+        actions = policy.get_action(env_ids, [one["point_cloud"] for one in seen], [one["proprio"] for one in seen])
         for env_id, action in zip(env_ids, actions, strict=True):
             note(env_id)
             episode, result = running[env_id], tasks[env_id].step(action)
@@ -123,18 +120,10 @@ def make_sensing(settings: SensingOptions) -> Sensing:
 
 class VectorEnv:
     """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`.
-
-    Args:
-        sensing: how their cameras differ from perfect ones; None: nothing is looked at.
-    """
+    `sensing`: how their cameras differ from perfect ones; None: nothing is looked at."""
 
     def __init__(
-        self,
-        assets: Path,
-        library: Path,
-        options: TaskConfig,
-        settings: SceneOptions,
-        sensing: Sensing | None = None,
+        self, assets: Path, library: Path, options: TaskConfig, settings: SceneOptions, sensing: Sensing | None = None
     ) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
         self.options, self.settings, self.sensing = move_robot(options, settings), settings, sensing
@@ -156,25 +145,15 @@ class VectorEnv:
         environments: type[EnvWrapper] = plugins.load("simulators", self.settings.simulator)
         while len(self._tasks) < count:
             task = environments(
-                self.plan.task,
-                self.folder(asset),
-                asset.joint,
-                asset.size,
-                self.options,
-                render=self.sensing is not None,
-                cache=Path(self._sized.name),
-                vary_scale=self.settings.vary_scale,
+                self.plan.task, self.folder(asset), asset.joint, asset.size, self.options,
+                render=self.sensing is not None, cache=Path(self._sized.name), vary_scale=self.settings.vary_scale,
                 sensing=self.sensing,
-            )
+            )  # fmt: skip
             self._tasks.append(task)
         return self._tasks[:count]
 
     def folder(self, asset: TaskAsset) -> Path:
-        """The asset's folder in the library.
-
-        Raises:
-            InputError: the library does not have it.
-        """
+        """The asset's folder in the library, which must have it."""
         if asset.asset not in self.folders:
             what = f"has no asset '{asset.asset}'."
             raise InputError(self.library, what, "run the matching stage again", code="E-LIBRARY-ASSET")
@@ -188,36 +167,21 @@ class VectorEnv:
 
     def rows(self, acting: Acting, test_asset: str, episodes: Sequence[RolloutEpisode]) -> list[Rollout]:
         """Episodes on a test asset as rows."""
+        task, cloud = shorten_name(self.plan.task), self.options.cloud
         return [
-            Rollout.model_validate(
-                acting._asdict()
-                | {
-                    "task": shorten_name(self.plan.task),
-                    "cloud": self.options.cloud,
-                    "test_asset": test_asset,
-                    "asset": episode.asset.asset,
-                    "family": episode.asset.family,
-                    "handle": episode.asset.handle,
-                    "handle_length": episode.asset.handle_length,
-                    "feature_distance": episode.asset.distance,
-                    "episode": number,
-                    "initial_state": episode.seed,
-                    "success": episode.success,
-                    "official_success": episode.official_success,
-                    "steps": episode.steps,
-                    "opened": round(episode.opened, 4),
-                }
+            Rollout(
+                **acting._asdict(), task=task, cloud=cloud, test_asset=test_asset, asset=one.asset.asset,
+                family=one.asset.family, handle=one.asset.handle, handle_length=one.asset.handle_length,
+                feature_distance=one.asset.distance, episode=number, initial_state=one.seed, success=one.success,
+                official_success=one.official_success, steps=one.steps, opened=round(one.opened, 4),
             )
-            for number, episode in enumerate(episodes)
-        ]
+            for number, one in enumerate(episodes)
+        ]  # fmt: skip
 
 
 class PolicyVectorEnv(VectorEnv):
-    """A policy's environments: the task has the options of its demonstrations; the settings say how assets are shown.
-
-    Raises:
-        InputError: the policy was trained on another task.
-    """
+    """A policy's environments: the task, which it must be trained on, has the options of its demonstrations; the
+    settings say how assets are shown."""
 
     def __init__(self, policy: Path, assets: Path, library: Path, settings: ActingOptions, device: str) -> None:
         self.policy, self.device = policy, device

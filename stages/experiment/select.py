@@ -8,10 +8,10 @@ from roomkin.stages.articulated.affordance import Affordance, handle_extents
 from roomkin.stages.articulated.asset_folder import read_asset
 from roomkin.stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, read_json, write_json
 from roomkin.stages.contracts.cousins import Distances, ObjectCousins
-from roomkin.stages.contracts.library import Vector
 from roomkin.stages.contracts.library_folder import AssetFolders
 from roomkin.stages.contracts.policies import TaskAsset
 from roomkin.stages.contracts.scenes import find_true_model
+from roomkin.stages.contracts.types import Vector
 from roomkin.stages.experiment.splits import with_lists
 from roomkin.stages.plugins import load
 from roomkin.stages.tasks.task import Task
@@ -24,19 +24,12 @@ def usable_assets(
     distances: Mapping[str, float],
     size: Vector | None,
 ) -> dict[str, TaskAsset]:
-    """The assets with a joint for the task, by id, each at the joint most like the twin's; their roles are open.
-
-    Args:
-        kind: the task.
-        folders: asset folders by id.
-        like: the twin's joint.
-        distances: embedding distance of every asset to the twin.
-        size: the box (x, y, z) in which all are loaded, metres; None: each at its own size.
-    """
+    """The assets with a joint for the task `kind`, by id, each at the joint most like the twin's; their roles are open.
+    `distances`: of every asset's embedding to the twin; `size`: the box (x, y, z) in which all are loaded, metres;
+    None: their own."""
     fronts = {asset: kind.target_joint(folders[asset], like) for asset in distances if asset in folders}
-    return {
-        asset: describe_asset(folders[asset], front, distances[asset], size) for asset, front in fronts.items() if front
-    }
+    found = {asset: front for asset, front in fronts.items() if front}
+    return {asset: describe_asset(folders[asset], front, distances[asset], size) for asset, front in found.items()}
 
 
 def describe_asset(folder: Path, front: Affordance, distance: float, size: Vector | None) -> TaskAsset:
@@ -47,21 +40,12 @@ def describe_asset(folder: Path, front: Affordance, distance: float, size: Vecto
     _, wide, tall = ((high - low) / asset.size * size).tolist()
     middle = ((low + high)[2] / 2 - asset.box_min[2]) / asset.size[2]
     return TaskAsset(
-        role="usable",
-        asset=asset.id,
-        category=asset.category,
-        family=asset.family,
-        digest=asset.checksum,
-        joint=front.joint,
-        size=size,
-        distance=distance,
-        handle=front.handle,
-        hinge=front.hinge,
+        role="usable", asset=asset.id, category=asset.category, family=asset.family, digest=asset.checksum,
+        joint=front.joint, size=size, distance=distance, handle=front.handle, hinge=front.hinge,
         panel_height=round(front.height * size[2], 4),
         panel_size=(round(front.width * size[1], 4), round(front.tall * size[2], 4)),
-        handle_length=round(max(wide, tall), 4),
-        handle_height=round(0.5 + (middle - front.height) / front.tall, 4),
-    )
+        handle_length=round(max(wide, tall), 4), handle_height=round(0.5 + (middle - front.height) / front.tall, 4),
+    )  # fmt: skip
 
 
 TAUGHT = 4  # training cousins that show the kinds of handle which held-out ones may have
@@ -240,13 +224,10 @@ def run(
         fix = "lower experiment.cousins, raise matching.k_cat, or make a larger library"
         raise InputError(library, what, fix, code="E-EXPERIMENT-COUSINS")
     plan = TaskAssets(
-        task=task,
-        scene=matched.scene,
-        object=object,
-        encoder=matched.encoder,
+        task=task, scene=matched.scene, object=object, encoder=matched.encoder,
         assets=[asset.model_copy(update={"role": role}) for role, asset in roles.items()],
         held_out=[number for number in held_out if number <= count],
-    )
+    )  # fmt: skip
     nearest = [category.category for category in item.categories[:ALL_CATEGORIES]]
     write_json(out, with_lists(plan, usable.values(), nearest, test_assets, seed, draws))
 

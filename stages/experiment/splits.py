@@ -112,9 +112,8 @@ def cover(pool: Iterable[TaskAsset], count: int, rng: np.random.Generator) -> li
 def census(name: str, assets: Sequence[TaskAsset]) -> str:
     """Size of a split by kind of handle, e.g. `test: 53 of 20 families (bar 31, knob 9)`."""
     kinds = ", ".join(f"{kind} {count}" for kind, count in sorted(Counter(asset.handle for asset in assets).items()))
-    return f"{name}: {len(assets)} of {len({asset.family for asset in assets})} families" + (
-        f" ({kinds})" * bool(kinds)
-    )
+    families = len({asset.family for asset in assets})
+    return f"{name}: {len(assets)} of {families} families" + f" ({kinds})" * bool(kinds)
 
 
 def _as(role: str, assets: Iterable[TaskAsset]) -> list[TaskAsset]:
@@ -152,11 +151,9 @@ def _strata(handles: Mapping[str, Handle]) -> dict[str, Stratum]:
     kinds: dict[str, list[Handle]] = {}
     for handle in handles.values():
         kinds.setdefault(handle[0], []).append(handle)
-    lengths = {kind: median(length for _, length, _ in same) for kind, same in kinds.items()}
-    heights = {kind: median(height for _, _, height in same) for kind, same in kinds.items()}
-    return {
-        name: (kind, length > lengths[kind], height > heights[kind]) for name, (kind, length, height) in handles.items()
-    }
+    long = {kind: median(each[1] for each in same) for kind, same in kinds.items()}
+    high = {kind: median(each[2] for each in same) for kind, same in kinds.items()}
+    return {name: (kind, length > long[kind], up > high[kind]) for name, (kind, length, up) in handles.items()}
 
 
 def _alternate_halves(assets: list[TaskAsset], rng: np.random.Generator, axis: int = 0) -> list[TaskAsset]:
@@ -182,9 +179,7 @@ def _spread(assets: list[TaskAsset], strata: Mapping[str, Stratum], level: int =
     groups: dict[str | bool, list[TaskAsset]] = {}
     for asset in assets:
         groups.setdefault(strata[asset.asset][level], []).append(asset)
-    placed = [
-        ((number + 0.5) / len(group), key, asset)
-        for key, group in groups.items()
-        for number, asset in enumerate(_spread(group, strata, level + 1))
-    ]
+    placed = []
+    for key, group in groups.items():
+        placed += [((k + 0.5) / len(group), key, one) for k, one in enumerate(_spread(group, strata, level + 1))]
     return [asset for _, _, asset in sorted(placed, key=lambda place: place[:2])]

@@ -73,27 +73,14 @@ def make_policy(config: PolicyConfig) -> TrainablePolicy:
     return policy
 
 
-class HandleSegmenter:
-    """A policy in closed loop whose clouds have the handle flagged before it sees them."""
-
-    def __init__(self, policy: RolloutPolicy) -> None:
-        self.policy = policy
-
-    def start_episode(self, env_id: int, seed: int) -> None:
-        """As of `RolloutPolicy`."""
-        self.policy.start_episode(env_id, seed)
-
-    def get_action(self, env_ids: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
-        """As of `RolloutPolicy`."""
-        flagged, _ = segment_handles(torch.from_numpy(np.stack(clouds)))
-        return self.policy.get_action(env_ids, list(flagged.numpy()), proprio)
-
-
 class CheckedPolicy:
-    """A policy in closed loop whose actions are looked at before a simulator gets them."""
+    """A policy in closed loop whose actions are looked at before a simulator gets them.
 
-    def __init__(self, policy: RolloutPolicy, name: str) -> None:
-        self.policy, self.name = policy, name
+    handle: its clouds have the handle flagged before it sees them.
+    """
+
+    def __init__(self, policy: RolloutPolicy, name: str, handle: bool = False) -> None:
+        self.policy, self.name, self.handle = policy, name, handle
 
     def start_episode(self, env_id: int, seed: int) -> None:
         """As of `RolloutPolicy`."""
@@ -105,6 +92,8 @@ class CheckedPolicy:
         Raises:
             InputError: actions of another shape, that are no numbers, or far out of [-1, 1].
         """
+        if self.handle:
+            clouds = list(segment_handles(torch.from_numpy(np.stack(clouds)))[0].numpy())
         actions = np.asarray(self.policy.get_action(env_ids, clouds, proprio))
         if actions.shape != (len(env_ids), ACTION):
             what = f"gives actions of shape {actions.shape} for {len(env_ids)} environments."
@@ -121,8 +110,7 @@ class CheckedPolicy:
 def make_rollout_policy(policy: TrainablePolicy, num_envs: int, mode: ActionMode) -> RolloutPolicy:
     """The policy acting on so many environments; its clouds are what they were in training."""
     acting = policy.make_rollout_policy(num_envs, mode)
-    checked = CheckedPolicy(acting, policy.config.policy)
-    return HandleSegmenter(checked) if policy.config.handle else checked
+    return CheckedPolicy(acting, policy.config.policy, policy.config.handle)
 
 
 FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
@@ -135,15 +123,8 @@ def save_weights(path: Path, weights: dict[str, Tensor]) -> None:
 
 
 def load_network(folder: Path, checkpoint: str, device: str = "cpu") -> TrainablePolicy:
-    """The policy of a training folder, ready for inference.
-
-    Args:
-        folder: output of `training train`.
-        checkpoint: 'best', 'last', or the name of one of `checkpoints` in config.json.
-
-    Raises:
-        InputError: a file is missing, or the weights do not fit the sizes in config.json.
-    """
+    """The policy of a folder that `training train` wrote, ready for inference; `checkpoint`: 'best', 'last', or the
+    name of one of `checkpoints` in config.json."""
     trained = read_config(folder)
     policy = make_policy(trained.config)
     path = weights_of(folder, FILES.get(checkpoint, checkpoint))

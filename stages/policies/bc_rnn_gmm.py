@@ -99,14 +99,8 @@ class Policy(PointCloudPolicy):
         out = self.head(self.mlp(memory))
         modes = self.options.gmm_modes
         logits, means, stds = out.split([modes, modes * ACTION, modes * ACTION], dim=-1)
-        return (
-            Mixture(
-                logits,
-                means.unflatten(-1, (modes, ACTION)).tanh(),
-                functional.softplus(stds.unflatten(-1, (modes, ACTION))) + self.options.gmm_min_std,
-            ),
-            state,
-        )
+        means, stds = (each.unflatten(-1, (modes, ACTION)) for each in (means, stds))
+        return Mixture(logits, means.tanh(), functional.softplus(stds) + self.options.gmm_min_std), state
 
     def forward(self, clouds: Tensor, proprio: Tensor) -> Mixture:
         """Mixtures (B, T, ...) of sequences of clouds (B, T, P, 4) and proprioception (B, T, 9)."""

@@ -99,14 +99,8 @@ class Motion:
         return self.fingers > GRIPPER_OPEN / 2
 
     def follow(self, pursuit: Pursuit, gripper: float, watch: Callable[[Array], str], grasping: bool = False) -> str:
-        """Follow a path until `watch`, given the pose (4, 4) of the hand before every step, returns a word.
-
-        Args:
-            grasping: whether the path leads to a grasp, so that demonstrations may disturb it.
-
-        Returns:
-            That word, or 'timeout'.
-        """
+        """Follow a path until `watch`, given the pose (4, 4) of the hand before every step, returns a word; that, or
+        'timeout'. `grasping`: it leads to a grasp, so that demonstrations may disturb it."""
         while not self.out_of_time:
             hand = self.task.hand()
             aim = pursuit.aim(hand)
@@ -124,11 +118,8 @@ class Motion:
         watch: Callable[[Array], str] = lambda hand: "",
         grasping: bool = False,
     ) -> tuple[str, Pursuit]:
-        """Follow a path (K, 4, 4) to its end, unless `watch` returns a word before.
-
-        Returns:
-            '' on arrival, that word, 'stall' or 'timeout'; and how far the hand came.
-        """
+        """Follow a path (K, 4, 4) to its end, unless `watch` returns a word before. Returns '' on arrival, that word,
+        'stall' or 'timeout'; and how far the hand came."""
         pursuit, stall = Pursuit(path, lookahead), Stall(0.002)
 
         def check_arrival(hand: Array) -> str:
@@ -185,9 +176,8 @@ class RetryingSkill(ABC):
     def surroundings(self) -> Surroundings:
         """Points on the task's object and on the obstacles around it; the object's are sampled once per size."""
         env = self.task.env
-        return env.sample_surroundings().with_obstacles(
-            transform_points(invert_transform(env.base_from_asset()), env.obstacles())
-        )
+        obstacles = transform_points(invert_transform(env.base_from_asset()), env.obstacles())
+        return env.sample_surroundings().with_obstacles(obstacles)
 
     def joint(self) -> float:
         """The value of the target joint as it stands."""

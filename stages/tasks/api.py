@@ -120,19 +120,10 @@ class EnvWrapper:
             environment = getattr(importlib.import_module(module), name)
             _freeze_imports()
             self._env = environment(
-                task=self.task,
-                asset_folder=folder,
-                joint=self.joint,
-                options=self.options,
-                vary_scale=self.vary_scale,
-                randomise=self.randomise,
-                room=self.room,
-                sensing=self.sensing,
-                obs_mode="none",
-                reward_mode="none",
-                sim_backend=self.options.sim_backend,
-                render_backend=render_backend() if self.render else "none",
-            )
+                task=self.task, asset_folder=folder, joint=self.joint, options=self.options, vary_scale=self.vary_scale,
+                randomise=self.randomise, room=self.room, sensing=self.sensing, obs_mode="none", reward_mode="none",
+                sim_backend=self.options.sim_backend, render_backend=render_backend() if self.render else "none",
+            )  # fmt: skip
         self.env.asset_folder, self.env.joint_name = folder, self.joint
         self.env.reset(seed=seed)
         self.steps, self.success, self.official_success = 0, False, False

@@ -249,11 +249,8 @@ class OpenTaskEnv(FilmedEnv):
         """Success; beside it the official code's: any joint of the object was 10 % open at any time."""
         fractions = self._fractions()
         self._official |= (fractions >= OFFICIAL_SUCCESS_FRACTION).any(dim=1)
-        return {
-            "success": self.check_success(),
-            "official_success": self._official.clone(),
-            "opened": fractions[:, self.target.index],
-        }
+        opened, official = fractions[:, self.target.index], self._official.clone()
+        return {"success": self.check_success(), "official_success": official, "opened": opened}
 
     def observe(self, render: bool = True) -> list[Observation]:
         """The observation in each environment; without `render` the clouds are empty."""
@@ -269,10 +266,8 @@ class OpenTaskEnv(FilmedEnv):
         if self.obs_mode != "pointcloud":
             return super().get_obs(info, unflattened)
         seen = self.observe()
-        return {
-            key: torch.as_tensor(np.stack([one[key] for one in seen]), device=self.device)  # type: ignore[literal-required]
-            for key in ("point_cloud", "proprio")
-        }
+        columns = {"point_cloud": [one["point_cloud"] for one in seen], "proprio": [one["proprio"] for one in seen]}
+        return {key: torch.as_tensor(np.stack(rows), device=self.device) for key, rows in columns.items()}
 
     def _get_obs_extra(self, info: dict[str, Any]) -> dict[str, torch.Tensor]:
         return {"tcp_pose": self.agent.tcp.pose.raw_pose, "opened": info["opened"][:, None]}
@@ -287,6 +282,5 @@ class OpenTaskEnv(FilmedEnv):
     def base_from_asset(self) -> Array:
         """(4, 4) pose of the asset's root in the robot base frame, in the first environment."""
         base, root = self.agent.robot.pose[0].sp, self.object.pose[0].sp
-        return np.asarray(
-            invert_transform(base.to_transformation_matrix()) @ root.to_transformation_matrix(), dtype=float
-        )
+        inverse = invert_transform(base.to_transformation_matrix())
+        return np.asarray(inverse @ root.to_transformation_matrix(), dtype=float)

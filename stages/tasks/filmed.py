@@ -71,10 +71,8 @@ class FilmedEnv(BaseEnv):
         """Poses and joints of robot, asset and props in environment `index`, for a film."""
         bodies = (self.agent.robot, self.object)
         poses = [body.pose[index].sp.to_transformation_matrix() for body in bodies]
-        joints = [
-            dict(zip((joint.name for joint in body.active_joints), body.get_qpos()[index].tolist(), strict=True))
-            for body in bodies
-        ]
+        each = [([joint.name for joint in body.active_joints], body.get_qpos()[index].tolist()) for body in bodies]
+        joints = [dict(zip(names, values, strict=True)) for names, values in each]
         return Moment(poses[0], joints[0], poses[1], joints[1], [pose for _, pose in self.props()])
 
     def recording(self, moments: Sequence[Moment], index: int = 0) -> Recording:

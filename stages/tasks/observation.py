@@ -48,16 +48,10 @@ class MountedCamera:
     def config(self, robot: AcdcPanda, options: TaskConfig) -> CameraConfig:
         """Its config for ManiSkill; it is posed when an episode starts."""
         return CameraConfig(
-            uid=self.name,
-            pose=sapien.Pose(),
-            width=options.camera_size,
-            height=options.camera_size,
-            fov=options.camera_fov,
-            near=0.02,
-            far=10.0,
-            mount=robot.robot.root if self.mount == "base" else robot.tcp,
+            uid=self.name, pose=sapien.Pose(), width=options.camera_size, height=options.camera_size,
+            fov=options.camera_fov, near=0.02, far=10.0, mount=robot.robot.root if self.mount == "base" else robot.tcp,
             shader_config=depth_shaders(),
-        )
+        )  # fmt: skip
 
 
 # Above the hand, past the fingers: it sees what they close around.
@@ -123,15 +117,10 @@ class Sensing:
     camera_error: tuple[float, float] = (0.0, 0.0)
 
 
-def sensor_noise(depth: NDArray[np.floating]) -> Array:
-    """Standard deviation (...) of a depth camera's error at depths (...), metres."""
-    return np.asarray(NOISE_FLOOR + NOISE_GROWTH * (depth - NEAREST) ** 2, dtype=float)
-
-
 def with_noise(picture: NDArray[np.int16], rng: np.random.Generator) -> NDArray[np.int16]:
     """A picture (H, W, 4) of positions in millimetres, moved along their rays by a depth camera's error."""
     depth = np.abs(picture[..., 2]) * 1e-3
-    error = rng.normal(0.0, 1.0, depth.shape) * sensor_noise(depth)
+    error = rng.normal(0.0, 1.0, depth.shape) * (NOISE_FLOOR + NOISE_GROWTH * (depth - NEAREST) ** 2)
     noisy = picture.copy()
     noisy[..., :3] = np.rint(picture[..., :3] * (1 + error / np.maximum(depth, 1e-3))[..., None])
     return noisy

@@ -25,25 +25,16 @@ class Task:
     environment: str = "roomkin.stages.tasks.environment:OpenTaskEnv"
 
     def target_joint(self, folder: Path, like: Affordance | None = None, flaps: bool = False) -> Affordance | None:
-        """The joint of the asset in `folder` that the task is about, None if none will do.
-
-        Args:
-            like: that of the twin.
-            flaps: whether of an asset with no other door a flap will do.
-        """
+        """The joint of the asset in `folder` that the task is about, None if none will do. `like`: that of the twin;
+        `flaps`: whether of an asset with no other door a flap will do."""
         return target_joint(folder, self.part_type, like, flaps)
 
     def suitable_joint(self, folder: Path) -> str:
-        """The name of that joint.
-
-        Raises:
-            InputError: the asset has none.
-        """
+        """The name of that joint; `InputError`: the asset has none."""
         panel = self.target_joint(folder)
         if panel is None:
-            raise InputError(
-                folder, f"has no {self.part_type} with a handle.", "choose another asset", code="E-TASK-JOINT"
-            )
+            what = f"has no {self.part_type} with a handle."
+            raise InputError(folder, what, "choose another asset", code="E-TASK-JOINT")
         return panel.joint
 
 
@@ -53,7 +44,6 @@ def register(task: Task) -> Task:
         import gymnasium
 
         if task.gym_id not in gymnasium.registry:
-            gymnasium.register(
-                task.gym_id, entry_point=task.environment, disable_env_checker=True, kwargs={"task": task}
-            )
+            kwargs = {"task": task}
+            gymnasium.register(task.gym_id, entry_point=task.environment, disable_env_checker=True, kwargs=kwargs)
     return task

@@ -2,9 +2,4 @@
 
 from roomkin.stages.cli import main
 
-main(
-    "roomkin.stages.training",
-    {
-        "train": "train one policy on episode stores",
-    },
-)
+main("roomkin.stages.training", {"train": "train one policy on episode stores"})

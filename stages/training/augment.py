@@ -177,9 +177,8 @@ def widen_grips(batch: Batch, random: torch.Generator) -> Batch:
     fingers = batch.proprio[..., 7:]
     wider = chance * ((fingers > HOLDING[0]) & (fingers < HOLDING[1])).all(-1)  # (B, T)
     w, x, y, z = batch.proprio[..., 3:7].unbind(-1)
-    across = torch.stack(
-        [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], dim=-1
-    )  # from finger to finger
+    # From finger to finger.
+    across = torch.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], dim=-1)
     xyz, flag = batch.clouds[..., :3], batch.clouds[..., 3:]
     side = ((xyz - batch.proprio[..., None, :3]) * across[:, :, None]).sum(-1, keepdim=True).sign()
     xyz = xyz + side * across[:, :, None] * wider[..., None, None] * (flag == 1)

@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -85,12 +86,7 @@ def read_demonstrations(
     paths: Sequence[Path], per_store: int, release_included: bool = True, task: str = ""
 ) -> DemonstrationSet:
     """The first `per_store` episodes of every store; without `release_included` each up to where the hand last opens.
-
-    `task`: that they must be of; '': any.
-
-    Raises:
-        InputError: a file is no episode store, has too few episodes, or differs in task or task options.
-    """
+    They must be of `task` ('': of any), and of the same options."""
     if not paths or per_store < 1:
         what = "name no episodes to train on."
         raise InputError("--episodes, --per-store", what, "at least one store and one episode", code="E-EPISODES-NONE")
@@ -103,36 +99,22 @@ def read_demonstrations(
         if task and store.task != task:
             what = f"was collected for the task '{store.task}', not '{task}'."
             raise InputError(path, what, "collect it again", code="E-EPISODES-TASK")
-    episodes = [
-        episode if release_included else tuple(array[: steps_until_release(episode[2])] for array in episode)
-        for store in stores
-        for episode in store.episodes
-    ]
+    episodes: list[tuple[NDArray[Any], ...]] = [episode for store in stores for episode in store.episodes]
+    if not release_included:
+        episodes = [tuple(array[: steps_until_release(each[2])] for array in each) for each in episodes]
     clouds, proprio, actions = (np.concatenate(arrays) for arrays in zip(*episodes, strict=True))
     lengths = [len(episode[2]) for episode in episodes]
     store_of = [number for number, store in enumerate(stores) for _ in store.episodes]
     digest = hashlib.sha256()
     for array in (clouds, proprio, actions):
         digest.update(np.ascontiguousarray(array).data)
-    return DemonstrationSet(
-        clouds=torch.from_numpy(clouds),
-        proprio=torch.from_numpy(proprio),
-        actions=torch.from_numpy(actions),
-        lengths=lengths,
-        store_of=store_of,
-        stores=[
-            TrainingStore(
-                file="/".join(path.parts[-3:]),
-                asset=store.asset,
-                episodes=len(store.episodes),
-                frames=sum(length for length, owner in zip(lengths, store_of, strict=True) if owner == number),
-            )
-            for number, (path, store) in enumerate(zip(paths, stores, strict=True))
-        ],
-        task=first.task,
-        task_options=first.task_options,
-        digest=digest.hexdigest(),
-    )
+    frames = np.bincount(store_of, lengths).astype(int).tolist()  # of each store, which all have episodes
+    used = [
+        TrainingStore(file="/".join(path.parts[-3:]), asset=store.asset, episodes=len(store.episodes), frames=count)
+        for path, store, count in zip(paths, stores, frames, strict=True)
+    ]
+    tensors = map(torch.from_numpy, (clouds, proprio, actions))
+    return DemonstrationSet(*tensors, lengths, store_of, used, first.task, first.task_options, digest.hexdigest())
 
 
 def split_episodes(data: DemonstrationSet, seed: int) -> tuple[list[int], list[int]]:

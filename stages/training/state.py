@@ -63,20 +63,9 @@ def start_wandb(mode: Mode, folder: Path, config: dict[str, Any]) -> Any:
         import wandb
 
         folder.mkdir(parents=True, exist_ok=True)
-        return wandb.init(
-            project="acdc",
-            mode=mode,
-            dir=folder,
-            config=config,
-            settings=wandb.Settings(
-                silent=True,
-                console="off",
-                x_disable_stats=True,
-                x_disable_meta=True,
-                disable_git=True,
-                disable_code=True,
-            ),
-        )
+        off = dict.fromkeys(("x_disable_stats", "x_disable_meta", "disable_git", "disable_code"), True)
+        settings = wandb.Settings(silent=True, console="off", **off)
+        return wandb.init(project="acdc", mode=mode, dir=folder, config=config, settings=settings)
     except Exception as error:  # a logger must not end a training run, whatever it stumbles over
         print(f"warning: no Weights & Biases run: {error}", file=sys.stderr)
         return None
@@ -114,12 +103,8 @@ class TrainingState:
     def save(self, policy: TrainablePolicy, folder: Path) -> None:
         """Write the state; a crash while writing leaves the last one."""
         self.saved = self.step
-        content = {
-            "policy": policy.state_dict(),
-            "optimiser": self.optimiser.state_dict(),
-            "fingerprint": self.fingerprint,
-            **{name: getattr(self, name) for name in KEPT},
-        }
+        content: dict[str, Any] = {"policy": policy.state_dict(), "optimiser": self.optimiser.state_dict()}
+        content |= {name: getattr(self, name) for name in ("fingerprint", *KEPT)}
         with write_atomically(folder / STATE) as temporary:
             torch.save(content, temporary)
 
@@ -224,12 +209,8 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
             save_weights(setting.work / "checkpoints" / f"step_{state.step}.safetensors", policy.state_dict())
         if state.step % config.log_freq == 0 or state.step == config.steps:
             validated = validate(policy, held_out)
-            line: Line = {
-                "step": state.step,
-                "loss": round(torch.stack(losses).mean().item(), 5),
-                **validated,
-                "learning_rate": learning_rate(step, config),
-            }
+            line: Line = {"step": state.step, "loss": round(torch.stack(losses).mean().item(), 5)}
+            line |= validated | {"learning_rate": learning_rate(step, config)}
             log(line)
             state.note(policy, validated.get("validation_loss"), line, config.select)
             if state.step < config.steps and state.is_due(SAVE_FREQ):

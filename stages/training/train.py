@@ -93,22 +93,14 @@ def run(
     write_text(out / "metrics.jsonl", metrics.read_text(encoding="utf-8"))
     constant = constant_error(data, training, validation)
     found = TrainedPolicy(
-        task=data.task,
-        task_options=data.task_options,
-        config=config,
-        seed=seed,
-        stores=data.stores,
-        data_digest=data.digest,
-        training_episodes=len(training),
-        validation_episodes=len(validation),
-        parameters=sum(parameter.numel() for parameter in policy.parameters()),
-        best_step=state.best_step,
+        task=data.task, task_options=data.task_options, config=config, seed=seed, stores=data.stores,
+        data_digest=data.digest, training_episodes=len(training), validation_episodes=len(validation),
+        parameters=sum(parameter.numel() for parameter in policy.parameters()), best_step=state.best_step,
         best_loss=state.best_loss,
         best_error=next(line for line in state.lines if line["step"] == state.best_step).get("validation_error"),
-        constant_error=constant,
-        plateau=plateau(state.lines, constant),
+        constant_error=constant, plateau=plateau(state.lines, constant),
         checkpoints=[f"checkpoints/{path.name}" for path in kept],
-    )
+    )  # fmt: skip
     write_json(out / "config.json", found)
     if found.best_loss is not None:
         print(f"training: {outcome(found)}", file=sys.stderr)
@@ -143,7 +135,5 @@ def fingerprint(data: DemonstrationSet, config: PolicyConfig, seed: int) -> str:
     """What must be equal for an interrupted run to go on: data, options, seed and code."""
     module = qualify_module("policies", config.policy)
     cover([module])
-    text = json.dumps(
-        [data.digest, config.model_dump(mode="json"), seed, code_digest(__name__, module)], sort_keys=True
-    )
-    return hashlib.sha256(text.encode()).hexdigest()
+    what = [data.digest, config.model_dump(mode="json"), seed, code_digest(__name__, module)]
+    return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()
