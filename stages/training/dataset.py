@@ -113,8 +113,9 @@ def read_demonstrations(
         TrainingStore(file="/".join(path.parts[-3:]), asset=store.asset, episodes=len(store.episodes), frames=count)
         for path, store, count in zip(paths, stores, frames, strict=True)
     ]
-    tensors = map(torch.from_numpy, (clouds, proprio, actions))
-    return DemonstrationSet(*tensors, lengths, store_of, used, first.task, first.task_options, digest.hexdigest())
+    seen, own, done = map(torch.from_numpy, (clouds, proprio, actions))
+    task, options = first.task, first.task_options
+    return DemonstrationSet(seen, own, done, lengths, store_of, used, task, options, digest.hexdigest())
 
 
 def split_episodes(data: DemonstrationSet, seed: int) -> tuple[list[int], list[int]]:
