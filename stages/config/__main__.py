@@ -1,4 +1,8 @@
-"""`roomkin config`: categories, schema and docs/config.md, every key with its meaning, from the typed models."""
+"""`roomkin config`: write config/schema.json and docs/config.md: every key with its meaning, from the typed models.
+
+`roomkin config show FILE...` prints the whole config of a run with these files over the defaults.
+It is run in a clone, by `make config`.
+"""
 
 import json
 import subprocess
