@@ -75,7 +75,10 @@ def folder(package: str) -> Path:
 
 def list_available(kind: str, packages: Sequence[str] | None = None) -> dict[str, str]:
     """Qualified module name of every implementation by its name: the core's and those of `packages` (None: all here).
-    `InputError`: a package is not there, or a name is taken twice."""
+
+    Raises:
+        InputError: a package is not there, or a name is taken twice.
+    """
     found: dict[str, str] = {}
     packages = list_shipped() if packages is None else packages
     for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in packages)]:
@@ -91,8 +94,12 @@ def list_available(kind: str, packages: Sequence[str] | None = None) -> dict[str
 
 
 def find(kind: str, name: str, packages: Sequence[str] | None = None, key: str = "") -> str:
-    """The name to load an implementation by: as it is for ours, qualified for a user's. The `InputError` has the `key`
-    of the config and what to do instead: turn its package on, or take the nearest name."""
+    """The name to load an implementation by: as it is for ours, qualified for a user's.
+
+    Raises:
+        InputError: there is none of that name; the message has the `key` of the config and what to do instead: turn
+            its package on, or take the nearest name.
+    """
     known = list_available(kind, packages)
     if name in known.values():
         return name
@@ -151,8 +158,11 @@ def find_options(kind: str, name: str) -> type[Section]:
 
 
 def parse_kwargs(options: type[S], kwargs: Mapping[str, Any], key: str = "kwargs") -> S:
-    """The options of an implementation from those that are given; `InputError`: one is not known, or has no such
-    value."""
+    """The options of an implementation from those that are given.
+
+    Raises:
+        InputError: one is not known, or has no such value.
+    """
     try:
         return options.model_validate(kwargs)
     except ValidationError as error:

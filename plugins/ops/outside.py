@@ -35,7 +35,10 @@ def list_key_variables(config: Config) -> list[str] | None:
 
 def container_environment(config: Config, published: str) -> dict[str, str]:
     """Environment variables for containers/podman-shell: images, folders to mount, keys if the network is used, a GPU.
-    `published`: folder of the tables of the paper's values."""
+
+    Args:
+        published: folder of the tables of the paper's values.
+    """
     keys = list_key_variables(config)
     return {
         "ACDC_IMAGE": config.containers.template,

@@ -14,10 +14,13 @@ class LibraryOptions(Section):
     """The procedural models of the library."""
 
     counts: dict[str, Count] = Field(
-        COUNTS, description="Procedural models per category; 0 leaves one out. The paper has over 10,000 assets."
+        COUNTS,
+        description="Procedural models per category; 0 leaves one out. The paper's BEHAVIOR-1K has over 10,000 assets.",
     )
     variations: bool = Field(
-        True, description="false: no model varies another, each is sampled freely, a family of its own (docs/assets.md)"
+        True,
+        description="false: no model is a variation of another, each is sampled freely and a family of its own "
+        "(docs/assets.md)",
     )
 
 
@@ -51,14 +54,22 @@ class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
     """The asset library: procedural models, the user's own, and their pictures."""
 
     folders: list[str] = Field(
-        [], description="Folders of your models, <folder>/<category>/<model>: URDF, GLB, OBJ (docs/your-models.md)."
+        [],
+        description="Folders with your own models, <folder>/<category>/<model>, each a URDF, GLB or OBJ file or a "
+        "folder that holds one (docs/your-models.md).",
     )
-    own_only: bool = Field(False, description="true: the models of `folders` alone, for pictures; `counts` are none.")
-    only: bool = Field(False, description="true: the categories that `counts` names alone, none that comes later.")
+    own_only: bool = Field(
+        False, description="true: the models of `folders` alone, for pictures of yours; `counts` are none then."
+    )
+    only: bool = Field(
+        False,
+        description="true: the categories that `counts` names alone, so that none that comes later changes a study.",
+    )
     shards: int | None = Field(
         None,
         ge=1,
-        description="Jobs and archives of the procedural models. null: two, and one more per 300 beyond 600.",
+        description="Jobs that the procedural models are made, photographed and encoded in, and archives that hold "
+        "them. null: two, and one more per 300 models beyond 600.",
     )
 
     @model_validator(mode="before")

@@ -12,7 +12,9 @@ USUAL = "usual"  # how tables call what section `evaluation` says, beside its `c
 class SceneOptions(Section):
     """How a test asset is shown."""
 
-    vary_scale: bool = Field(False, description="rescale the test asset as in the demonstrations (official: no)")
+    vary_scale: bool = Field(
+        False, description="rescale the test asset at random as in the demonstrations (official: no)"
+    )
     own_size: bool = Field(False, description="the test asset at its own size, not in the box of the task's object")
     simulator: str = Field(
         "maniskill",
@@ -38,10 +40,14 @@ class ActingOptions(SensingOptions):
     """How a policy acts."""
 
     checkpoint: Literal["best", "last", "rollouts"] = Field(
-        "best", description="rollouts: of the `num_checkpoints`, the one with most successes on the twin (paper)"
+        "best",
+        description="best: as `training` selected; rollouts: of the `num_checkpoints` of its config, the one with "
+        "most successes in its selection rollouts on the twin (the paper's way)",
     )
     action: Literal["sample", "sharpened", "most_likely"] = Field(
-        "sharpened", description="by which mode: drawn by weight (official), by its square, or the heaviest"
+        "sharpened",
+        description="mode of the mixture to act by: drawn by its weight (official), by the square of its weight, or "
+        "the heaviest; docs/results/policies.md has figures",
     )
     # Environments that share a forward pass of the policy
     envs: ClassVar[int] = 4
@@ -67,17 +73,26 @@ class SkillOptions(SceneOptions):
         description="roles to roll out on; paper: the twin, the 2nd and 6th cousin (held out), a dissimilar asset; "
         "trained: the very assets that the policy was trained on, the rollouts shared evenly: the first gate",
     )
-    rollouts: int = Field(16, ge=1, description="episodes per test asset, from the same states for all; paper: 100")
+    rollouts: int = Field(
+        16, ge=1, description="episodes per test asset, the same initial states for all policies; paper: 100"
+    )
     twin_rollouts: int | None = Field(
         None,
         ge=1,
-        description="episodes on the twin: 60 can show that two sets do as well, 25 cannot; null: as elsewhere",
+        description="episodes on the twin, first those of `rollouts`: 60 can show that two sets do as well, 25 cannot; "
+        "null: as many as on the others",
     )
     split: Literal["validation", "test"] = Field(
-        "test", description="the unseen assets to roll out on: validation (for every choice) or test (once, at the end)"
+        "test",
+        description="the unseen assets to roll out on: validation (every choice is made on these) or test (looked at "
+        "once, at the end)",
     )
-    assets: int = Field(24, ge=0, description="how many assets of the split, of families apart from training; 0: none")
-    asset_rollouts: int = Field(2, ge=1, description="episodes on each of them, from the same states for all policies")
+    assets: int = Field(
+        24, ge=0, description="how many assets of the split, of families apart from all training; 0: none"
+    )
+    asset_rollouts: int = Field(
+        2, ge=1, description="episodes on each of them, the same initial states for all policies"
+    )
 
 
 class RolloutOptions(ActingOptions, SkillOptions):
@@ -114,11 +129,15 @@ class TablesConfig(Section):
     )
     variants: dict[str, Literal["a", "b", "c", "d"]] = Field(
         {"a": "a", "b": "b", "c": "c", "d": "d"},
-        description="Variants of Table 2 and the published one (a-d) beside each.",
+        description="Variants of Table 2 and the published variant (a-d) shown beside each.",
     )
     # Level of every interval.
     confidence: ClassVar[float] = 0.95
-    bootstrap_samples: int = Field(10_000, ge=100, description="Resamples behind the intervals of policies.")
+    bootstrap_samples: int = Field(
+        10_000,
+        ge=100,
+        description="Resamples (of assets, initial states and runs) behind the intervals of policies.",
+    )
     # Seed of the resamples.
     seed: ClassVar[Seed] = 0
     # Largest width of a picture in the report page, pixels.

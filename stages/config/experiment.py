@@ -16,13 +16,21 @@ class Perturbation(Section):
     """The rooms of Table 2, changed: rows of its companion `table2_robustness.csv`."""
 
     seeds: list[Seed] = Field(
-        [0], min_length=1, description="Every room is tested once with each: of depth noise and of what is drawn below."
+        [0],
+        min_length=1,
+        description="Every room is tested once with each: the seed of the depth noise and of what is drawn below.",
     )
-    layout: Literal["recipe", "drawn"] = Field("recipe", description="drawn: places, camera, colors, models by chance.")
+    layout: Literal["recipe", "drawn"] = Field(
+        "recipe", description="drawn: places, camera, colors and models of the room are drawn by chance."
+    )
     finish: Literal["library", "other"] = Field(
-        "library", description="other: its models are painted, lit and scaled otherwise than the library's snapshots."
+        "library",
+        description="other: the room's models are painted, lit and scaled otherwise than the library's snapshots.",
     )
-    unknown: bool = Field(False, description="The room's true models and their families are no candidates at matching.")
+    unknown: bool = Field(
+        False,
+        description="The true models of the room, and their whole families, are taken out of the library at matching.",
+    )
     scale_error: bool = Field(True, description="false: no global factor on the depth (extraction.noise.scale: 0).")
     variants: list[str] | None = Field(None, min_length=1, description="null: all of `variants`.")
 
@@ -50,7 +58,10 @@ class ExperimentConfig(Section):
         description="Scenes to reconstruct: room_1 ... room_8 (Table 2), rooms of your own, or names from `inputs`, "
         'where * stands for anything: ["*"] is all of them.',
     )
-    room_files: list[str] = Field([], description="Rooms of your own: YAML files (docs/scenes.md), by their stem.")
+    room_files: list[str] = Field(
+        [],
+        description="Rooms of your own: YAML files (docs/scenes.md), named by their stem.",
+    )
     inputs: dict[str, Picture] = Field(
         {},
         json_schema_extra=as_written,
@@ -84,7 +95,9 @@ class ExperimentConfig(Section):
         "some. The first of a target is what its others are compared with.",
     )
     pools: dict[str, list[str]] = Field(
-        {}, description="Targets that are one row of the tables: {door: [door_1, door_2]}, with the same options."
+        {},
+        description="Targets that are one row of the tables, by its name, e.g. {door: [door_1, door_2]}: one task with "
+        "the same options, for several objects.",
     )
     training_sets: list[TrainingSet] = Field(
         ["twin", "cousins_4"],
@@ -95,12 +108,18 @@ class ExperimentConfig(Section):
         "mass drawn anew in every attempt.",
     )
     draws: int = Field(
-        5, ge=1, description="How often random_n and cover_n are drawn: seed s learns from draw s modulo this."
+        5,
+        ge=1,
+        description="How often random_n and cover_n are drawn: the policies of seed s learn from draw s modulo this; "
+        "1: all of them from the same assets.",
     )
     held_out: list[Rank] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
     cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
     episodes: int = Field(
-        160, ge=1, description="Demonstrations in every training set, shared evenly: a multiple of its assets' numbers."
+        160,
+        ge=1,
+        description="Demonstrations in every training set, shared evenly by its assets so that sets compare: a "
+        "multiple of their numbers.",
     )
     best_configs: int = Field(
         2,
@@ -113,7 +132,8 @@ class ExperimentConfig(Section):
     in_scene: int = Field(
         2,
         ge=0,
-        description="In how many ranks' scenes every target is demonstrated, with a film (the paper's Figure 7).",
+        description="In how many ranks' generated scenes every target is demonstrated once, with a film (the paper's "
+        "Figure 7); 0: in none.",
     )
 
     @field_validator("targets", "policies")

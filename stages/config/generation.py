@@ -24,18 +24,24 @@ class GenerationConfig(Section):
         20.0,
         ge=0,
         le=45,
-        description="Largest turn of what opens to its cloud's box (A.7), degrees; null: no limit (paper).",
+        description="Largest turn of an articulated asset to the axes of its cloud's minimum box (A.7), degrees. 0: "
+        "none; null: no limit, as in the paper.",
     )
-    snap_other: float | None = Field(15.0, ge=0, le=45, description="The same of any other asset, degrees.")
+    snap_other: float | None = Field(
+        15.0, ge=0, le=45, description="Largest such turn of any other asset, degrees; null: no limit, as in the paper."
+    )
     rectangularity: float = Field(
         0.5,
         ge=0,
         le=1,
-        description="Share of the outline from above that must run along the box to turn to it. Paper: 0.",
+        description="Share of the cloud's outline, seen from above, that must run along the box for an asset to be "
+        "turned to it: round things have no axes. Paper: 0.",
     )
 
     # Size
-    trim: float = Field(TRIM, ge=0, lt=0.25, description="Share of the cloud left out at either end of an extent.")
+    trim: float = Field(
+        TRIM, ge=0, lt=0.25, description="Share of the cloud left out at either end of a measured extent."
+    )
     sizes: Literal["fitted", "measured"] = Field(
         "fitted",
         description="fitted: the model's box agrees best with the object's outline and points, with what hides or cuts "

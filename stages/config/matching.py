@@ -38,7 +38,9 @@ class HogConfig(Section):
 class Dinov2Config(Section):
     """The paper's encoder (ViT-S/14 in the official code)."""
 
-    path: str = Field("", description='Folder with config.json, model.safetensors. "": ViT-S/14 of `make weights`.')
+    path: str = Field(
+        "", description='Folder with config.json and model.safetensors. "": ViT-S/14 as `make weights` fetches it.'
+    )
     height: int = Field(224, ge=28, description="The crop is resized to height x width (official code: 588 ...")
     width: int = Field(224, ge=28, description="... x 784), multiples of the patch size.")
 
@@ -47,7 +49,9 @@ class EncoderOptions(Section):
     """The patch encoder, with its options."""
 
     encoder: str = Field(
-        "hog", json_schema_extra={"kind": "encoders"}, description="hog: needs no weights. dinov2: the paper's."
+        "hog",
+        json_schema_extra={"kind": "encoders"},
+        description="Patch features. hog: needs no weights. dinov2: the paper's.",
     )
     dimensions: int | None = Field(
         None,
@@ -82,15 +86,21 @@ class EncoderOptions(Section):
 class ComparisonOptions(EncoderOptions):
     """How patches are compared."""
 
-    search: str = Field("torch", json_schema_extra={"kind": "searches"}, description="How patches are searched.")
-    exclude_worst: float = Field(0.10, ge=0, lt=1, description="Share of largest patch distances left out (paper: .1).")
+    search: str = Field(
+        "torch", json_schema_extra={"kind": "searches"}, description="Nearest patches; both give the same picks."
+    )
+    exclude_worst: float = Field(
+        0.10, ge=0, lt=1, description="Share of the largest patch distances left out of the mean (paper: 0.10)."
+    )
 
 
 class CandidateOptions(Section):
     """Which models an object is compared with at all."""
 
     text_encoder: str = Field(
-        "lexical", json_schema_extra={"kind": "text_encoders"}, description="clip: the official code's (folder `clip`)"
+        "lexical",
+        json_schema_extra={"kind": "text_encoders"},
+        description="How labels are compared with categories. clip: the official code's; give its folder, clip.",
     )
     k_cat: int = Field(3, ge=1, description="Nearest categories to search.")
     count_threshold: int | None = Field(
@@ -102,7 +112,8 @@ class CandidateOptions(Section):
     least_candidates: int = Field(
         10,
         ge=1,
-        description="So many candidates, if there are: else count_threshold, then categories widen (paper: 1).",
+        description="So many candidates an object has if the library has them: else count_threshold is widened, and "
+        "the next nearest categories come in (paper: 1).",
     )
     clip: str = Field("", description="Folder with the weights of the text encoder `clip`.")
     kwargs: dict[str, dict[str, Any]] = KWARGS_BY_NAME
@@ -120,8 +131,12 @@ class MatchingSection(ComparisonOptions, CandidateOptions):
     k_model: int = Field(10, ge=1, description="Models taken from them by voting (paper: 10).")
     k_ori: int = Field(4, ge=1, description="Orientations taken from a model's views (paper: 4).")
     k_cousins: int = Field(10, ge=1, description="Ranked cousins per object.")
-    views: int = Field(12, ge=0, description="Yaw views by which a model is compared. 0: the representative (paper).")
-    nearest_views: int = Field(2, ge=1, description="A model's distance is the mean over so many of its nearest views.")
+    views: int = Field(
+        12, ge=0, description="Yaw views by which a model is compared. 0: its representative snapshot alone (paper)."
+    )
+    nearest_views: int = Field(
+        2, ge=1, description="The mean over so many of its nearest views is a model's distance: most stand between two."
+    )
     model_selection: str = Field(
         JUDGE,
         json_schema_extra={"kind": "judges"},
@@ -137,20 +152,32 @@ class MatchingSection(ComparisonOptions, CandidateOptions):
         "and mounting alone).",
     )
     symmetric: float = Field(
-        0.5, ge=0, le=1, description="Share of the way from the picture's patches to the object's (paper: 0)."
+        0.5,
+        ge=0,
+        le=1,
+        description="Share, in a distance, of the way back from the picture's patches to the object's (paper: 0).",
     )
-    colour: float = Field(0.0, ge=0, description="Weight of the patches' colors (Lab, 30 of it count as 1; paper: 0).")
+    colour: float = Field(
+        0.0, ge=0, description="Weight of the patches' colors (Lab, a difference of 30 counts as 1; paper: 0)."
+    )
     label_weight: float = Field(
         2.0,
         ge=0,
         description="What the distance between label and category adds to a model's distance (paper: 0). Labels and "
         "counts are stated: they count more than what pictures differ in.",
     )
-    size_weight: float = Field(0.2, ge=0, description="What its own size adds: mean |log ratio| to the box (paper: 0).")
-    place_weight: float = Field(
-        0.2, ge=0, description="What it adds if only one of object and model belongs on a wall (paper: 0)."
+    size_weight: float = Field(
+        0.2, ge=0, description="What a model's own size adds: mean |log ratio| to the object's box (paper: 0)."
     )
-    count_weight: float = Field(0.3, ge=0, description="What every door or drawer too many or too few adds (paper: 0).")
+    place_weight: float = Field(
+        0.2,
+        ge=0,
+        description="What it adds if the object hangs on a wall and the model does not belong there, or the other way "
+        "round (paper: 0).",
+    )
+    count_weight: float = Field(
+        0.3, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."
+    )
 
     def weights(self) -> dict[str, str]:
         """Folders of the pretrained networks that are used, by their keys; "": the published file of DINOv2."""

@@ -35,7 +35,9 @@ class Config(Section):
 
     seed: Seed = Field(0, description="Seed of everything random: library, rooms, noise, demonstrations, rollouts.")
     image: str = Field(
-        "", description="A picture, for the target `photo`, in the place of `experiment.rooms` (docs/your-data.md)."
+        "",
+        description="A picture, for the target `photo`: the one scene in the place of `experiment.rooms`, without "
+        'tasks (docs/your-data.md). "": none.',
     )
     depth: str = Field("", description="Depth of the picture `image`, aligned to it.")
     camera: str = Field("", description="Its intrinsics: a file, or the camera's name (docs/your-data.md).")
@@ -44,22 +46,32 @@ class Config(Section):
         description="Packages beside the core (docs/architecture.md), and which are on.",
     )
     plugins: list[str] = Field(
-        [], description="Packages of yours with implementations (docs/extending.md), installed or on PYTHONPATH."
+        [],
+        description="Packages of yours with further implementations (docs/extending.md): in this folder, installed, "
+        "or on PYTHONPATH.",
     )
     device: Literal["cpu", "cuda"] = Field("cpu", description="Where networks are trained and run.")
     experiment: ExperimentConfig = Field(ExperimentConfig(), description="Which cells of the paper's tables are run.")
     assets: AssetsConfig = Field(AssetsConfig(), description="The asset library and its snapshots (A.1).")
-    perception: PerceptionSection = Field(PerceptionSection(), description="From a picture to an input folder (2.1).")
+    perception: PerceptionSection = Field(
+        PerceptionSection(), description="From a picture of yours to an input folder (2.1, A.2, A.7)."
+    )
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingSection = Field(MatchingSection(), description="Digital cousins of every object (A.6, A.7, B.1).")
     generation: GenerationConfig = Field(GenerationConfig(), description="Placing the cousins (A.3, A.7).")
-    task: TaskConfig = Field(TaskConfig(), description="The tasks' environment, in demos and evaluation (B.3).")
-    demonstrations: DemonstrationsConfig = Field(DemonstrationsConfig(), description="Demonstrations (A.4, A.5).")
+    task: TaskConfig = Field(
+        TaskConfig(), description="The tasks' environment, the same in demos and evaluation (B.3)."
+    )
+    demonstrations: DemonstrationsConfig = Field(
+        DemonstrationsConfig(), description="Automatic demonstrations (A.4, A.5)."
+    )
     training: TrainingSection = Field(TrainingSection(), description="Policies (B.3).")
     evaluation: EvaluationConfig = Field(EvaluationConfig(), description="Rollouts and scene scores (B.1, B.3).")
     tables: TablesConfig = Field(TablesConfig(), description="Tables, figures and the report page.")
     stages: Replaced = Field(
-        {}, description="Your commands for ours: {matching: {match: {command: ..., code: [...]}}} (docs/extending.md)."
+        {},
+        description="Replace commands of stages by commands of yours, "
+        "e.g. {matching: {match: {command: python mine.py, code: [mine.py]}}} (docs/extending.md).",
     )
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")
 
@@ -142,8 +154,14 @@ def read_files(files: Iterable[Path]) -> Config:
 
 
 def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
-    """Validate a merged config; an `InputError` names all mistakes, a line each, with key and mend. Without
-    `rooms_named` `experiment.rooms` names none, as stages are called by hand (plugins/api)."""
+    """Validate a merged config.
+
+    Args:
+        rooms_named: False: `experiment.rooms` names none, as stages are called by hand (plugins/api).
+
+    Raises:
+        InputError: names all mistakes, a line each, with key and mend.
+    """
     on = _packages_on(config)
     model = with_sections(Config, on)
     silent = {section for package in find_packages().values() for section in package.sections} - set(model.model_fields)

@@ -28,9 +28,15 @@ def modules(section: Section, *fields: str) -> list[str]:
 
 
 def resolve_names(section: S, packages: Sequence[str], path: str, mistakes: list[Mistake] | None = None) -> S:
-    """The section with the names of a user's implementations qualified, so that a stage can import them. Names that
-    there is no implementation of go to `mistakes`, and the default, or any, takes their place; without it they are
-    refused."""
+    """The section with the names of a user's implementations qualified, so that a stage can import them.
+
+    Args:
+        mistakes: gets names that there is no implementation of; the default takes their place, or
+            any, if it is not there.
+
+    Raises:
+        InputError: the same, if `mistakes` is not given; key and nearest name are named.
+    """
     changes: dict[str, Any] = {}
     for field in type(section).model_fields:
         kind, value, key = kind_of(type(section), field), getattr(section, field), f"{path}.{field}".lstrip(".")
@@ -116,7 +122,9 @@ class ReplacementCommand(Section):
         description="Called as `<command> --flags ...` with the flags of the command (docs/extending.md); what it "
         "writes is checked against the contract before the workflow goes on.",
     )
-    code: list[str] = Field([], description="Files and folders of the command: an edit makes what it wrote again.")
+    code: list[str] = Field(
+        [], description="Files and folders of the command: an edit of one makes what it wrote again."
+    )
 
 
 def _known_commands(value: Any) -> Any:

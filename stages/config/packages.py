@@ -94,8 +94,15 @@ def check_targets(asked: Collection[str], on: Mapping[str, bool], image: str = "
 
 
 def check_rules(command: Sequence[str], snakefile: str) -> None:
-    """Refuse targets of a command line that are no files and no rules of ours, with the nearest rule, unless it is none
-    of Snakemake's or another workflow, in `snakefile`, has ours as a module."""
+    """Refuse targets that are no files and no rules of ours, unless another workflow has ours as a module.
+
+    Args:
+        command: a command line of Snakemake; of nothing else is anything asked.
+        snakefile: that of the workflow.
+
+    Raises:
+        InputError: tells the nearest rule.
+    """
     home = plugins.PACKAGES.parent
     ours = [file for file in (home / "Snakefile", home / "workflow/Snakefile") if file.is_file()]
     if Path(snakefile).resolve() not in ours or not command or Path(command[0]).name != "snakemake":

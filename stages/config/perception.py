@@ -28,12 +28,17 @@ class OutlineSection(Section):
         0.5,
         ge=0,
         le=1,
-        description="Least probability of the kin of a first name (sofa .3, armchair .3: seat .6), else left out.",
+        description="Least probability of the kin of a thing's first name (a sofa of .3, an armchair of .3: a seat of "
+        ".6); else it is left out, and told on the page.",
     )
     detector: str = Field("weights/grounding_dino", description="Weights of Grounding DINO: a box for every label.")
     segmenter: str = Field("weights/sam2", description="Weights of SAM 2: a mask for every box.")
-    box_threshold: float = Field(0.3, gt=0, lt=1, description="Least score of a box of Grounding DINO (official: 0.3).")
-    labels: list[str] = Field([], description="Labels to detect without a language model; []: the library's.")
+    box_threshold: float = Field(
+        0.3, gt=0, lt=1, description="Least score of a box of Grounding DINO (official code: 0.3)."
+    )
+    labels: list[str] = Field(
+        [], description="Labels to detect if no language model is used; []: the categories of the library."
+    )
 
     def list_unread(self) -> set[str]:
         """What the chosen proposers do not need."""
@@ -49,7 +54,9 @@ class SeeSection(OutlineSection):
         "`labels`. vlm: a vision-language model lists them, names every found thing, counts its doors and drawers.",
     )
     mounting: Literal["geometry", "vlm"] = Field(
-        "vlm", description="Who decides what hangs or stands (A.2). vlm: with `captions: vlm`, else geometry."
+        "vlm",
+        description="What decides which objects hang, stand, or touch which wall (A.2). vlm: the language model of "
+        "`captions: vlm`, geometry where it has no usable answer.",
     )
 
     def list_unread(self) -> set[str]:
@@ -61,17 +68,23 @@ class CameraSection(Section):
     """What is told of the camera of a picture without depth."""
 
     field_of_view: DegreesWide | None = Field(
-        None, description="Degrees over a picture without depth. null: by EXIF, lines in it, or a usual camera."
+        None,
+        description="Degrees over the width of a picture without depth. null: by EXIF, lines in the picture, or a "
+        "usual camera, with a note in the log.",
     )
     lens: str | None = Field(
-        None, description="Calibration of its camera (JSON, YAML of OpenCV, ROS, Kalibr): it is made straight first."
+        None,
+        description="Calibration of its camera (JSON, YAML as OpenCV, ROS, Kalibr write them): the picture is made "
+        "straight first, and its focal length is known.",
     )
 
 
 class DrawOptions(OutlineSection, CameraSection):
     """What `draw` reads."""
 
-    heights: dict[str, float] = Field({}, description="Heights that you know, metres: {camera: 1.6, fridge: 1.8}.")
+    heights: dict[str, float] = Field(
+        {}, description="Heights that you know, metres: of the `camera`, of things by label: {fridge: 1.8}."
+    )
 
 
 class MeasureOptions(CameraSection):

@@ -46,9 +46,14 @@ class Picture(Section):
     cx: float | None = None
     cy: float | None = None
     fov: DegreesWide | None = Field(None, description="in the place of both: degrees over the picture's width")
-    masks: str = Field("", description="JSON, YOLO's text, a PNG or a folder of outlines; none: they are found")
+    masks: str = Field(
+        "",
+        description="JSON, YOLO's text, a PNG or a folder of outlines; none: they are found (section `perception`)",
+    )
     labels: str = Field("", description="what their numbers are called, if they do not say it: JSON or data.yaml")
-    drawing: str = Field("", description="of a picture without depth: project.json of the page, in networks' place")
+    drawing: str = Field(
+        "", description="of a picture without depth: project.json that the page wrote, in the place of networks"
+    )
     _row: str = PrivateAttr("")
     _measured: bool = PrivateAttr(False)  # a network measures its depth, as the whole config says
 
@@ -79,8 +84,11 @@ class Picture(Section):
         return self._measured
 
     def read_digest(self, frames: Callable[[Path], list[tuple[Path, Path]]] = list_frames) -> str:
-        """SHA-256 of the picture's file; empty: it cannot be read, which the rule that reads it says. `frames`: lists
-        those of a recording."""
+        """SHA-256 of the picture's file; empty: it cannot be read, which the rule that reads it says.
+
+        Args:
+            frames: what lists those of a recording.
+        """
         try:
             if self.folder:
                 return digest_of_picture(Path(self.folder))

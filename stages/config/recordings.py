@@ -90,8 +90,11 @@ def _read_stamps(path: Path) -> list[tuple[float, Path]]:
 
 
 def _pair_files(path: Path, pictures: list[Path], images: list[Path]) -> list[tuple[Path, Path]]:
-    """Pictures with the depth images of the same numbers, at least half: all of a name's, or the first or last,
-    whichever pairs most."""
+    """Pictures with the depth images of the same numbers: all of a name's, or the first or last, whichever pairs most.
+
+    Raises:
+        InputError: the numbers pair less than half of them.
+    """
     pairs: list[tuple[Path, Path]] = []
     for part in (slice(None), slice(0, 1), slice(-1, None)):
         colors, depths = (_number_files(files, part) for files in (pictures, images))

@@ -32,7 +32,8 @@ class RoomTarget(Section):
     options: dict[str, Any] = Field({}, description="keys of section `task` that differ here, e.g. {max_steps: 200}")
     assets: str | None = Field(
         None,
-        description="a committed file of its assets (docs/policies.md), checked against the library; null: chosen anew",
+        description="a committed file of the target's assets (docs/policies.md), checked against the library; null: "
+        "chosen anew",
     )
     episodes: int | None = Field(None, ge=1, description="null: `experiment.episodes`")
 

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 class MotionOptions(Section):
     """How the scripted skill moves."""
 
-    goal_margin: float = Field(0.2, ge=0, le=0.5, description="fraction of the range to open beyond what success needs")
+    goal_margin: float = Field(
+        0.2, ge=0, le=0.5, description="open this fraction of the range further than success needs, then let go"
+    )
     # Where Approach ends and Converge begins, metres (official: 0.13)
     pregrasp: ClassVar[float] = 0.1
     # How far ahead on its path the hand aims, metres
@@ -29,9 +31,13 @@ class RandomiseOptions(Section):
     """What training sets that end in _randomised draw anew per attempt (the physics after OpenAI et al. 2018)."""
 
     extents: Range = Field((0.6, 1.5), description="factor per axis on the asset's size, in place of task.scale_range")
-    friction: Range = Field((0.7, 1.3), description="factor on the friction of its surfaces (OpenAI: 0.7 to 1.3)")
+    friction: Range = Field(
+        (0.7, 1.3), description="factor on the friction of its surfaces, so of handle and fingers (OpenAI: 0.7 to 1.3)"
+    )
     mass: Range = Field((0.5, 2.0), description="factor on the mass of its links (OpenAI: 0.5 to 1.5)")
-    joint_friction: Range = Field((0.3, 3.0), description="factor on its joints' friction, damping (OpenAI: 0.3 to 3)")
+    joint_friction: Range = Field(
+        (0.3, 3.0), description="factor on friction and damping of its joints (OpenAI: damping 0.3 to 3)"
+    )
 
 
 class DemonstrationsConfig(MotionOptions):
@@ -52,7 +58,8 @@ class DemonstrationsConfig(MotionOptions):
     )
     randomise: RandomiseOptions = Field(
         RandomiseOptions(),
-        description="of sets that end in _randomised, log-uniform but for extents (OpenAI et al., Table 1)",
+        description="Ranges of training sets that end in _randomised, log-uniform but for the extents; after OpenAI et "
+        "al., Learning Dexterous In-Hand Manipulation, Table 1.",
     )
     max_attempts_factor: float = Field(3.0, ge=1, description="attempts allowed per wanted episode")
 

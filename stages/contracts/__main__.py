@@ -19,8 +19,11 @@ REFUSED = ".refused"
 
 
 def parse(arguments: list[str]) -> list[tuple[str, Path]]:
-    """Pairs of kind and file; a kind holds for all files up to the next kind. `ValueError`: a file comes before any
-    kind, or a kind without a file."""
+    """Pairs of kind and file; a kind holds for all files up to the next kind.
+
+    Raises:
+        ValueError: a file comes before any kind, or a kind without a file.
+    """
     kind, pairs = None, []
     for argument in arguments:
         if argument in KINDS:

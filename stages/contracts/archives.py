@@ -25,8 +25,11 @@ def pack(folder: Path, out: Path) -> None:
 
 
 def unpack(path: Path, fix: str, below: str = "") -> Path:
-    """A folder with the files of an archive, or with those whose names begin with `below`, until the process ends. A
-    name that leads out of it is refused."""
+    """A folder with the files of an archive, or with those whose names begin with `below`, until the process ends.
+
+    Raises:
+        InputError: it is no archive, is damaged, or a name leads out of it.
+    """
     with open_archive(path, fix) as archive:
         names = [name for name in archive.namelist() if name.startswith(below) and not name.endswith("/")]
         content = {name: archive.read(name) for name in names}

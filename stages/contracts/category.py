@@ -142,8 +142,12 @@ def by_joined_name(known: Mapping[str, CategoryFacts], like: bool = False) -> di
 
 
 def find_category(name: str, known: Mapping[str, CategoryFacts], like: bool = False) -> CategoryFacts | None:
-    """The category that a name means (a label of a person, a file), by its last words: `025_mug`, `studyTable`; `like`:
-    or to which the things that it means are similar."""
+    """The category that a name means (a label of a person, a file), by its last words: `025_mug`, `studyTable`.
+
+    Args:
+        known: categories by name.
+        like: or to which the things that it means are similar.
+    """
     by_word, words = by_joined_name(known, like), split_words(name)
     for end in range(len(words), 0, -1):
         if end < len(words) and words[-1] in PARTS and "with" not in words:

@@ -37,7 +37,9 @@ class Candidate(Judged):
 
     asset: Id
     category: Id
-    distance: NonNegative = Field(description="mean nearest-patch L2 distance but for the worst 10 %, and `parts`")
+    distance: NonNegative = Field(
+        description="mean nearest-patch L2 distance without the worst 10 %, and what else counts: `parts`"
+    )
     parts: dict[str, NonNegative] = Field(
         {}, description="what distance is the sum of, by name, if more than patches count: patches, label, size, ..."
     )

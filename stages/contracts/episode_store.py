@@ -69,8 +69,12 @@ class EpisodeStore:
 
 
 def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
-    """The first `count` episodes of a store (None: all), which must have so many, of the shapes of its options, finite
-    and within bounds."""
+    """The first `count` episodes of a store (None: all).
+
+    Raises:
+        InputError: it is missing or broken, has too few episodes, arrays of another shape or of unequal lengths, or
+            values that are not finite or out of bounds.
+    """
     with explain_unreadable(path, "episode store", AGAIN), h5py.File(path, "r") as file:
         data = file.get("data")
         if not isinstance(data, h5py.Group):

@@ -56,7 +56,9 @@ class FeatureIndex(Document):
     upright: bool = Field(description="whether normals are upright (the snapshot camera's elevation was known)")
     assets: list[Id]
     yaws: list[Angle] = Field(min_length=1, description="radians; views in this order, then the representative")
-    starts: list[Count] = Field(description="first row of view v of asset a at a * (len(yaws) + 1) + v; then how many")
+    starts: list[Count] = Field(
+        description="first row of view v of asset a at a * (len(yaws) + 1) + v; the last is the count"
+    )
 
     @model_validator(mode="after")
     def _complete(self) -> "FeatureIndex":

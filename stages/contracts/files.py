@@ -56,8 +56,13 @@ def ask_before_writing(path: Path) -> None:
 
 @contextmanager
 def write_atomically(path: Path) -> Iterator[Path]:
-    """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds, and none of
-    `BEFORE_WRITING` refuses. The checksum of a result is recorded."""
+    """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds.
+
+    The checksum of a result is recorded.
+
+    Raises:
+        InputError: one of `BEFORE_WRITING` refuses.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = make_partial_path(path)
@@ -175,7 +180,10 @@ def read_lines(model: type[M], path: Path, fix: str = "") -> list[M]:
 
 def read_rows(model: type[M], path: Path, fix: str = "") -> list[M]:
     """A CSV table whose columns are the model's fields, at least one row; an empty cell of an optional field is None.
-    An `InputError` names file, line and field."""
+
+    Raises:
+        InputError: it is missing or empty, has other columns, or a row breaks the contract (file, line, field named).
+    """
     optional = {name for name, field in model.model_fields.items() if type(None) in get_args(field.annotation)}
     reader = csv.DictReader(io.StringIO(read_text(path, fix), newline=""), strict=True)
     rows: list[M] = []

@@ -24,8 +24,12 @@ class Surface(Contract):
 
     id: types.Id = Field(description="'floor', or the id of a wall")
     colour: Color
-    low: tuple[types.Coordinate, types.Coordinate] = Field(description="floor: least x and y; wall: left end, and 0")
-    high: tuple[types.Coordinate, types.Coordinate] = Field(description="floor: largest x and y; wall: right, height")
+    low: tuple[types.Coordinate, types.Coordinate] = Field(
+        description="floor: least x and y; wall: left along its tangent, and 0"
+    )
+    high: tuple[types.Coordinate, types.Coordinate] = Field(
+        description="floor: largest x and y; wall: right, and height"
+    )
 
 
 class Look(Document):
@@ -33,7 +37,9 @@ class Look(Document):
 
     light: types.UnitVector = Field(description="direction in which the key light shines")
     light_from: Literal["shadows", "default"] = Field(description="what the direction was taken from")
-    shadow_correlation: types.Finite = Field(description="of predicted shadows with dark places of the picture")
+    shadow_correlation: types.Finite = Field(
+        description="of predicted shadows with dark places of the picture, -1 to 1"
+    )
     surfaces: list[Surface]
 
     @model_validator(mode="after")
@@ -64,7 +70,9 @@ class PlacedObject(Contract):
     size_spread: types.Vector | None = None
     place_spread: types.NonNegative | None = None
     finish: Finish = Field({}, exclude_if=not_, description="parameters of its recipe that are as the picture shows")
-    support: str = Field("floor", description="'floor', 'wall', id of the object beneath, 'unnamed': no object here")
+    support: str = Field(
+        "floor", description="'floor', 'wall', the id of the object beneath, or 'unnamed': on what is no object here"
+    )
     mounting: Mounting | None = None
     cousin: types.Rank | None = Field(None, description="rank in cousins.json of the model that stands here")
     chosen: bool = Field(False, description="a person says which model stands here")

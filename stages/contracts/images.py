@@ -73,8 +73,11 @@ def read_upright(path: Path) -> Image.Image:
 
 
 def read_rgb(path: Path) -> NDArray[np.uint8]:
-    """A picture (H, W, 3) in sRGB: turned by its EXIF data, alpha laid on white, all else but floats converted to 8
-    bits."""
+    """A picture (H, W, 3) in sRGB: turned by its EXIF data, alpha laid on white, all else converted to 8 bits.
+
+    Raises:
+        InputError: no picture, of absurd size, or with float pixels.
+    """
     image = to_srgb(read_upright(path))
     if image.mode in DEEP:
         grey = np.asarray(image).astype(np.int64)
@@ -131,8 +134,11 @@ def check_shown(path: Path, rgb: NDArray[np.uint8]) -> None:
 
 
 def read_masks(path: Path) -> NDArray[np.uint16]:
-    """A label image (H, W) of one channel: 8 or 16 bits, or a palette, whose indices are the values; no JPEG, which
-    changes them."""
+    """A label image (H, W) of one channel: 8 or 16 bits, or a palette, whose indices are the values.
+
+    Raises:
+        InputError: no picture, several channels, float pixels, or a format that changes values (JPEG).
+    """
     image = read_upright(path)
     mend = "write one channel of 16 bits with a value per object, as PNG"
     if image.format in ("JPEG", "MPO"):
@@ -233,6 +239,9 @@ def check_turned(where: object, points: NDArray[np.float64], known: NDArray[np.b
     """Refuse a picture of points (H, W, 3), camera frame, that is upside down with its depth.
 
     Whether it was turned by 180 degrees or mirrored top to bottom is not in depth: a person sees it.
+
+    Raises:
+        InputError: nothing level faces up, and much faces down.
     """
     if is_upside_down(points, known, max_tilt):
         what = f"shows no level surface that faces up, but one that faces down: {TURNED}"

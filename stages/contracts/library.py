@@ -53,7 +53,9 @@ class Joint(Contract):
     lower: Limit
     upper: Limit
     handle_link: str | None = Field(None, description="link that carries the handle; null: no protruding handle")
-    handle: HandleKind | None = Field(None, description="what a gripper holds; edge: the free one; face: it is pushed")
+    handle: HandleKind | None = Field(
+        None, description="what a gripper can hold; edge: a profile at the free edge; face: it is pushed"
+    )
     panel: FrontPanel | None = Field(None, description="null: it moves nothing that is seen")
 
     @model_validator(mode="after")
@@ -92,7 +94,9 @@ class Asset(Document):
     doors: types.Panels = 0
     drawers: types.Panels = 0
     buttons: Buttons = 0
-    symmetry: Symmetry = Field("none", description="about z: orientation is scored modulo that turn; full has none")
+    symmetry: Symmetry = Field(
+        "none", description="rotational symmetry about z: orientation is scored modulo that turn; full has none"
+    )
     placement: Placement = "floor"
     recipe: Recipe | None = None
     licence: str
@@ -177,7 +181,9 @@ class LibraryPart(Document):
 
     assets: list[LibraryEntry]
     left_out: list[str] = Field([], description="the user's models that cannot be used, with the reason: a line each")
-    categories: list[CategoryFacts] = Field([], description="what is known of them, those of other libraries, too")
+    categories: list[CategoryFacts] = Field(
+        [], description="what is known of categories, those of other libraries, too"
+    )
 
     @model_validator(mode="after")
     def _check_ids(self) -> "LibraryPart":

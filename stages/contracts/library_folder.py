@@ -61,9 +61,15 @@ def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:
 
 
 class AssetFolders(Mapping[str, Path]):
-    """The models of a library, or of parts of one, as folders by id, in order of id. A model is unpacked when its
-    folder is asked for, if its archive holds what the index says; the folder lasts as long as the process.
-    `categories`: what is known of them, by name."""
+    """The models of a library, or of parts of one, as folders by id, in order of id.
+
+    A model is unpacked when its folder is asked for; the folder lasts as long as the process. `categories`: what is
+    known of them, by name.
+
+    Raises:
+        InputError: an index cannot be read; when a model is asked for: there is none of that id, or its archive does
+            not hold what the index says.
+    """
 
     def __init__(self, *indices: Path) -> None:
         parts = {path: read_json(LibraryPart, path, FIRST) for path in indices}

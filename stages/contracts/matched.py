@@ -38,10 +38,16 @@ def show_masks(named: Iterable[int], masks: Masks, labels: Mapping[int, str]) ->
 
 
 def match_corrections(said: Corrections, masks: Masks, picture: str) -> Matched:
-    """The corrections of the things that are at the places of those that a person spoke of, in masks (H, W) as they
-    were found. As long as the masks are the same, numbers say which these are; else outlines: `SAME` of their union in
-    common. What finds no partner is not applied. What was drawn keeps its outline, in the place of the thing found
-    there, if any. `picture`: SHA-256 of its file."""
+    """The corrections of the things that are at the places of those that a person spoke of.
+
+    As long as the masks are the same, numbers say which these are; else outlines: `SAME` of their union in common. What
+    finds no partner is not applied. What was drawn keeps its outline, in the place of the thing found there, if any.
+
+    Args:
+        said: of corrections.json.
+        masks: (H, W), as they were found.
+        picture: SHA-256 of the picture's file.
+    """
     if said.digest not in ("", picture):
         count = len(said.objects) + len(said.unmatched)
         return Matched({}, [], [f"corrections.json is of another picture: none of its corrections ({count}) applies"])

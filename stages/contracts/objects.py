@@ -95,10 +95,14 @@ class SceneObject(Contract):
     drawers: types.Panels = 0
     panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
     points: types.Count = 0
-    depth_known: types.Fraction | None = Field(None, description="share of its pixels with known depth; null: unused")
+    depth_known: types.Fraction | None = Field(
+        None, description="share of its pixels with known depth; null if not used"
+    )
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
-    measured_support: str = Field("", description="'floor', 'wall', id of what is beneath, 'unnamed'; empty: not said")
+    measured_support: str = Field(
+        "", description="'floor', 'wall', the id of the object beneath, 'unnamed': what nobody named; empty: not said"
+    )
     measured_mounting: Mounting | None = Field(None, description="by geometry, where the input tells the mounting")
     note: str = Field("", description="what the input says of it that cannot be")
     front: types.Angle | None = Field(None, description="direction that it faces about z, if the input tells")
@@ -121,8 +125,12 @@ class Objects(Document):
     height: types.Side
     intrinsics: types.CameraMatrix
     floor_from_camera: types.RigidTransform
-    crop: types.Fraction = Field(1.0, gt=0, description="central share of the picture that was used, either way")
-    depth_error: DepthError = Field(USUAL_ERROR, description="of depth's standard deviation a + b z^2, metres")
+    crop: types.Fraction = Field(
+        1.0, gt=0, description="central share of the picture that was used, in either direction"
+    )
+    depth_error: DepthError = Field(
+        USUAL_ERROR, description="a (metres) and b (1/metres) of depth's standard deviation a + b z^2"
+    )
     walls: list[Wall]
     objects: list[SceneObject]
     lost: list[types.Text] = Field([], exclude_if=not_, description="what could not be kept of a person's corrections")

@@ -17,7 +17,9 @@ from roomkin.stages.contracts.types import Count, Extent, Finite, Id, NonNegativ
 class TaskAsset(Contract):
     """One asset in the policy experiment, and what a policy and a gripper meet there."""
 
-    role: Id = Field(description="twin, matched, cousin_1, ..., dissimilar; of lists: all, random, cover, test, ...")
+    role: Id = Field(
+        description="twin, matched, cousin_1, ... or dissimilar; of the lists: all, random, cover, validation, test"
+    )
     asset: Id
     category: Id
     family: Id = Field(description="the model that it is a variation of; its own id if it is none")
@@ -30,7 +32,9 @@ class TaskAsset(Contract):
     panel_height: Finite = Field(description="of the front's center above the asset's bottom at this size, metres")
     panel_size: tuple[Extent, Extent] = Field(description="width and height of the front at this size, metres")
     handle_length: NonNegative = Field(description="longest extent of the handle at this size, metres")
-    handle_height: Finite = Field(description="of the handle's center on the front: 0 at its lower edge, 1 at its top")
+    handle_height: Finite = Field(
+        description="of the handle's center on the front: 0 at its lower edge, 1 at its upper"
+    )
 
 
 class TaskAssets(Document):
@@ -163,7 +167,9 @@ class Attempt(Contract):
     asset: Id
     seed: Seed
     success: bool
-    cause: Id = Field(description="'success' or where it failed: no_handle, no_plan, approach, grasp_slip, ...")
+    cause: Id = Field(
+        description="'success' or where it failed: no_handle, no_plan, approach, converge, grasp_slip, ..."
+    )
     recovery: Literal["push", "miss"] | None = Field(None, description="what the hand was made to recover from")
     retries: Count = Field(0, description="how often the skills tried again after a miss")
     steps: Count
@@ -191,7 +197,8 @@ class Rollout(Contract):
     seed: Seed
     checkpoint: Text
     test_asset: Id = Field(
-        description="role; trained: one that the policy was trained on; test, validation: of that split"
+        description="role of the test asset; trained: an asset that the policy was trained on; test, validation: an "
+        "asset of that split, whose family no policy was trained on"
     )
     asset: Id
     family: Id = Field(description="of the asset")

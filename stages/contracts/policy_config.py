@@ -14,11 +14,17 @@ class TaskConfig(Section):
     """The task as the policy meets it. It is stored in every episodes.h5, so that evaluation uses the same one."""
 
     # Success
-    success_fraction: float = Field(0.5, gt=0, lt=1, description="the joint must pass this fraction of its range, ...")
+    success_fraction: float = Field(
+        0.5, gt=0, lt=1, description="the target joint must pass this fraction of its range, ..."
+    )
     success_angle: float = Field(60.0, gt=0, description="... or so many degrees (door), whichever is less")
     success_distance: float = Field(0.15, gt=0, description="... or so many metres (drawer), whichever is less")
-    max_steps: int | None = Field(None, ge=10, description="steps of an episode; null: the task's own (door: 100)")
-    sim_backend: Literal["physx_cpu", "physx_cuda"] = Field("physx_cpu", description="physics; physx_cuda needs a GPU")
+    max_steps: int | None = Field(
+        None, ge=10, description="steps after which an episode is over; null: the task's own (door and drawer 100)"
+    )
+    sim_backend: Literal["physx_cpu", "physx_cuda"] = Field(
+        "physx_cpu", description="where the physics runs; physx_cuda needs a GPU"
+    )
 
     # Action (paper B.3: delta end-effector pose through inverse kinematics)
     controller: Literal["pd_ee_dls", "pd_ee_target_delta_pose"] = Field(
@@ -32,12 +38,16 @@ class TaskConfig(Section):
     cloud: Literal["target_link", "object"] = Field(
         "target_link", description="the cloud shows the door or drawer that is meant, or the whole object"
     )
-    points: int = Field(512, ge=64, description="points of the cloud, an eighth on the fingers (official: 2048)")
+    points: int = Field(
+        512, ge=64, description="points of the cloud, an eighth of them on the gripper fingers (official code: 2048)"
+    )
     camera_size: int = Field(128, ge=32, description="width and height of the depth image, pixels")
     camera_fov: float = Field(1.0, gt=0.1, lt=2.5, description="field of view, radians")
     camera_eye: tuple[float, float, float] = Field((0.05, -0.65, 1.05), description="in the robot base frame, metres")
     camera_target: tuple[float, float, float] = Field((0.65, 0.0, 0.42), description="point it looks at, same frame")
-    camera_jitter: tuple[NotNegative, NotNegative] = Field((0.01, 0.05), description="metres, radians (official: 0.1)")
+    camera_jitter: tuple[NotNegative, NotNegative] = Field(
+        (0.01, 0.05), description="uniform +/- metres and radians (official: 0.01, 0.10)"
+    )
     workspace_min: tuple[float, float, float] = Field((0.15, -0.5, 0.15), description="crop of the cloud, base frame")
     workspace_max: tuple[float, float, float] = Field((1.0, 0.5, 0.9), description="crop of the cloud, base frame")
 
@@ -126,9 +136,12 @@ class PolicyConfig(Section):
     batch_size: int = Field(16, ge=1, description="sequences per update; official code: 32")
     learning_rate: float = Field(2e-3, gt=0, description="peak; official code: 1e-3")
     schedule: Literal["linear", "cosine", "constant"] = Field(
-        "cosine", description="linear (official): to a tenth over 10000 steps; cosine: to zero at the end"
+        "cosine",
+        description="cosine: to zero at the last step; linear: to a tenth over 10000 steps, then flat (official)",
     )
-    warmup: int = Field(100, ge=0, description="updates over which the learning rate rises to it; official code: 0")
+    warmup: int = Field(
+        100, ge=0, description="first updates, over which the learning rate rises to its schedule; official code: 0"
+    )
     weight_decay: float = Field(1e-4, ge=0, description="of AdamW; official code: 0")
 
     # Augmentation (paper B.3: random downsampling, translation, jitter)
@@ -150,7 +163,9 @@ class PolicyConfig(Section):
     select: Literal["validation", "last"] = Field(
         "validation", description="which checkpoint becomes policy.safetensors: lowest validation loss, or the last"
     )
-    num_checkpoints: int = Field(0, ge=0, description="evenly spaced, kept for `evaluation: {checkpoint: rollouts}`")
+    num_checkpoints: int = Field(
+        0, ge=0, description="evenly spaced checkpoints kept for `evaluation: {checkpoint: rollouts}`"
+    )
     log_freq: int = Field(100, ge=1, description="steps between lines of metrics.jsonl and validations")
     wandb: Literal["disabled", "offline", "online"] = Field(
         "disabled", description="Weights & Biases run beside metrics.jsonl, below logs/training/wandb"

@@ -34,7 +34,11 @@ class SceneInput:
 
 def read_scene_input(folder: Path) -> SceneInput:
     """Read and cross-check the five files. Mask values that have no name in `annotations.json`, nor are left out in
-    `things.json`, are printed."""
+    `things.json`, are printed.
+
+    Raises:
+        InputError: a file is missing, broken, or disagrees with the others; the file is named.
+    """
     camera = read_json(Camera, folder / "camera.json")
     rgb, depth, exact = _pictures(folder, camera)
     annotations, masks = read_annotations(folder / "annotations.json")

@@ -63,7 +63,9 @@ class Annotation(Contract):
     drawers: types.Panels = 0
     panels: list[Panel] = Field([], max_length=1000, description="where they lie on its front; empty: not known")
     mounting: Held | None = Field(None, description="how it is held, if that is known; else geometry tells")
-    box: Box | None = Field(None, description="if it is known whole: needs floor_from_camera in camera.json")
+    box: Box | None = Field(
+        None, description="where it is known whole, hidden sides too: needs floor_from_camera in camera.json"
+    )
     guessed: bool = Field(False, description="how deep `box` is nobody saw or said: the models' proportions tell")
     front: types.Angle | None = Field(
         None, description="direction that it faces about z, in the floor frame; what has a `box` and none is round"
@@ -147,8 +149,16 @@ class Truth(Document):
 
 
 def find_true_model(truth: Path | None, objects: Path | None, object: str) -> str | None:
-    """Id of the true model of an object of objects.json; None without a truth, or if the truth does not know the
-    object. One file without the other, and files of different rooms, are refused."""
+    """Id of the true model of a named object; None without a truth, or if the truth does not know the object.
+
+    Args:
+        truth: truth.json of the room.
+        objects: objects.json of extraction, of the same room.
+        object: id of the object in objects.json.
+
+    Raises:
+        InputError: one file was given without the other, or they are of different rooms.
+    """
     if truth is None and objects is None:
         return None
     if truth is None or objects is None:

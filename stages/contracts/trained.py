@@ -44,9 +44,15 @@ class TrainedPolicy(Document):
     best_step: Count
     best_loss: Finite | None = Field(description="validation loss of policy.safetensors; null: no validation")
     best_error: Finite | None = Field(None, description="RMS error of its actions on the validation episodes")
-    constant_error: Finite | None = Field(None, description="that of one constant action, the mean in training")
-    plateau: Count | None = Field(None, description="last step before its error first fell below that; 0: none")
-    checkpoints: list[RelativePath] = Field([], description="weights kept for selection, in checkpoints.zip")
+    constant_error: Finite | None = Field(
+        None, description="the same of one constant action, the mean of the training episodes"
+    )
+    plateau: Count | None = Field(
+        None, description="last step of metrics.jsonl before its error fell below that for the first time; 0: none"
+    )
+    checkpoints: list[RelativePath] = Field(
+        [], description="weights kept for selection by rollouts, in checkpoints.zip"
+    )
 
     @property
     def learned(self) -> bool:

@@ -140,8 +140,13 @@ def read_settling(scene: GeneratedScene, placed: PlacedObject) -> dict[str, obje
 def score_scene(
     scene: GeneratedScene, objects: Objects, truth: Truth, folders: Mapping[str, Path] | None = None
 ) -> list[SceneScore]:
-    """One row per true object, in the order of the truth; an object is known by its value in the masks. What is not
-    there, or failed, counts as wrong and has no distances. `folders`: of assets by id, for the likeness of shapes."""
+    """One row per true object, in the order of the truth; an object is known by its value in the masks.
+
+    Args:
+        folders: asset folders by id, for the likeness of shapes.
+
+    What is not there, or failed, counts as wrong and has no distances.
+    """
     transform = world_from_floor(truth.world_from_camera, scene.floor_from_camera)
     by_id = {item.id: item for item in scene.objects}
     id_of = {item.mask: item.id for item in objects.objects}

@@ -45,8 +45,15 @@ def initial_states(purpose: Purpose, seed: int, count: int, place: int = 0) -> l
 def starts_of(
     plan: TaskAssets, where: Path, settings: SkillOptions, trained: Sequence[str], seed: int
 ) -> dict[str, list[Start]]:
-    """The episodes of every test asset, and of the split under its name; of those in `trained`, if any, on which the
-    policy was trained. `plan`: of the file `where`."""
+    """The episodes of every test asset, and of the split under its name.
+
+    Args:
+        plan: the experiment's assets, read from the file `where`.
+        trained: roles that the policy was trained on; none: nothing is rolled out on `trained`.
+
+    Raises:
+        InputError: `where` has no asset of a role.
+    """
     states = initial_states("roles", seed, settings.rollouts)
     twins = initial_states("roles", seed, settings.twin_rollouts or settings.rollouts)
     starts: dict[str, list[Start]] = {}

@@ -120,7 +120,10 @@ def make_sensing(settings: SensingOptions) -> Sensing:
 
 class VectorEnv:
     """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`.
-    `sensing`: how their cameras differ from perfect ones; None: nothing is looked at."""
+
+    Args:
+        sensing: how their cameras differ from perfect ones; None: nothing is looked at.
+    """
 
     def __init__(
         self, assets: Path, library: Path, options: TaskConfig, settings: SceneOptions, sensing: Sensing | None = None
@@ -180,8 +183,11 @@ class VectorEnv:
 
 
 class PolicyVectorEnv(VectorEnv):
-    """A policy's environments: the task, which it must be trained on, has the options of its demonstrations; the
-    settings say how assets are shown."""
+    """A policy's environments: the task has the options of its demonstrations; the settings say how assets are shown.
+
+    Raises:
+        InputError: the policy was trained on another task.
+    """
 
     def __init__(self, policy: Path, assets: Path, library: Path, settings: ActingOptions, device: str) -> None:
         self.policy, self.device = policy, device

@@ -24,9 +24,15 @@ def usable_assets(
     distances: Mapping[str, float],
     size: Vector | None,
 ) -> dict[str, TaskAsset]:
-    """The assets with a joint for the task `kind`, by id, each at the joint most like the twin's; their roles are open.
-    `distances`: of every asset's embedding to the twin; `size`: the box (x, y, z) in which all are loaded, metres;
-    None: their own."""
+    """The assets with a joint for the task, by id, each at the joint most like the twin's; their roles are open.
+
+    Args:
+        kind: the task.
+        folders: asset folders by id.
+        like: the twin's joint.
+        distances: embedding distance of every asset to the twin.
+        size: the box (x, y, z) in which all are loaded, metres; None: each at its own size.
+    """
     fronts = {asset: kind.target_joint(folders[asset], like) for asset in distances if asset in folders}
     found = {asset: front for asset, front in fronts.items() if front}
     return {asset: describe_asset(folders[asset], front, distances[asset], size) for asset, front in found.items()}

@@ -123,9 +123,17 @@ def plan_articulation(
     spare: float = 0.0,
     without: Collection[Grasp] = (),
 ) -> Plan | None:
-    """The first grasp by which the arm can take the target joint from `start`, where it stands, to `goal` without
-    touching anything; None: there is none. `joints`: (7,) of the arm as it stands; `spare`: radians that they should
-    keep from their limits, where some grasp allows it; `without`: grasps that are left out."""
+    """The first grasp by which the arm can take the target joint from `start` to `goal` without touching anything.
+
+    Args:
+        joints: (7,) of the arm as it stands.
+        start, goal: of the target joint; it stands at `start`.
+        spare: radians that the arm's joints should keep from their limits, where some grasp allows it.
+        without: grasps that are left out.
+
+    Returns:
+        None if there is none.
+    """
     target = surroundings.target
     assert target.handle is not None
     for offered in (list_grasps(target, target.handle), list_last_resorts(target, target.handle)):

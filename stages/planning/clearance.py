@@ -36,8 +36,11 @@ BASE = np.array([(x, 0.0, z, 0.11) for x in (-0.09, 0.02) for z in (0.08, 0.18, 
 
 
 class Surroundings:
-    """Points on the fixed and the moving part of an object, and on obstacles around it. `target`: its joint, its meshes
-    in the asset frame with all joints closed."""
+    """Points on the fixed and the moving part of an object, and on obstacles around it.
+
+    Args:
+        target: the object's joint, its meshes in the asset frame with all joints closed.
+    """
 
     def __init__(self, target: Target) -> None:
         self.target = target
@@ -154,8 +157,11 @@ def join_lines(way: Sequence[Array]) -> Array:
 
 def make_handle_path(target: Target, grasp: Array, start: float, goal: float, follow: float) -> Array:
     """(K, 4, 4) poses of a hand that holds the handle while the joint goes from `start` to `goal`, asset frame.
-    `grasp`: (4, 4) when the joint is closed; `follow`: share of the door's rotation that the hand makes; at 0 the
-    handle turns in it."""
+
+    Args:
+        grasp: (4, 4) pose of the hand when the joint is closed.
+        follow: share of the door's rotation that the hand makes; at 0 the handle turns between the fingers.
+    """
     ends = target.motions(np.array([start, goal])) @ grasp
     count = max(2, 1 + int(np.ceil(measure_distance(ends[:1], ends[1:])[0] / POSE_SPACING)))
     values = np.linspace(start, goal, count)

@@ -41,8 +41,11 @@ def find_feasible(
     surroundings: Surroundings,
     spare: float = 0.0,
 ) -> int | None:
-    """Index of the first candidate that the arm can follow from `joints` (7,) and that touches nothing. `spare`:
-    radians that every joint should keep from its limits; if no candidate does, the one that keeps most."""
+    """Index of the first candidate that the arm can follow from `joints` (7,) and that touches nothing.
+
+    Args:
+        spare: radians that every joint should keep from its limits; if no candidate does, the one that keeps most.
+    """
     best, widest = None, -np.inf
     untried, start, (size, largest) = iter(candidates), 0, BATCH
     while batch := list(islice(untried, size)):
@@ -100,8 +103,11 @@ def thin_path(path: Array) -> Array:
 def roll_out(
     chain: Chain, joints: Array, paths: Sequence[Array], slack: Sequence[Array]
 ) -> tuple[list[Array], list[bool]]:
-    """Track all paths (K_i, 4, 4) at once: per path (K_i, 7) joints, and whether every pose was reached. `slack`:
-    (K_i,) per path, times the tolerance of every pose."""
+    """Track all paths (K_i, 4, 4) at once: per path (K_i, 7) joints, and whether every pose was reached.
+
+    Args:
+        slack: (K_i,) per path, times the tolerance of every pose.
+    """
     longest = max(len(path) for path in paths)
     padded = np.stack([np.concatenate([path, np.tile(path[-1:], (longest - len(path), 1, 1))]) for path in paths])
     slacks = np.stack([np.append(one, np.full(longest - len(one), one[-1])) for one in slack])

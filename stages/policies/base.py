@@ -123,8 +123,15 @@ def save_weights(path: Path, weights: dict[str, Tensor]) -> None:
 
 
 def load_network(folder: Path, checkpoint: str, device: str = "cpu") -> TrainablePolicy:
-    """The policy of a folder that `training train` wrote, ready for inference; `checkpoint`: 'best', 'last', or the
-    name of one of `checkpoints` in config.json."""
+    """The policy of a training folder, ready for inference.
+
+    Args:
+        folder: output of `training train`.
+        checkpoint: 'best', 'last', or the name of one of `checkpoints` in config.json.
+
+    Raises:
+        InputError: a file is missing, or the weights do not fit the sizes in config.json.
+    """
     trained = read_config(folder)
     policy = make_policy(trained.config)
     path = weights_of(folder, FILES.get(checkpoint, checkpoint))

@@ -25,7 +25,9 @@ class PointCloudOptions(Section):
     )
     pointnet_width: int = Field(64, ge=8, description="paper: 512")
     pointnet_layers: int = Field(2, ge=2, description="linear layers before the max-pool; paper: 2, official code: 3")
-    precision: Literal["fp32", "bf16"] = Field("fp32", description="of the PointNet; bf16 is fast by AMX or a GPU")
+    precision: Literal["fp32", "bf16"] = Field(
+        "fp32", description="of the PointNet; bf16 needs AMX or a GPU to be faster"
+    )
 
 
 class Options(PointCloudOptions):
@@ -35,8 +37,12 @@ class Options(PointCloudOptions):
     mlp: list[Rank] = Field([128], description="hidden layers behind the LSTM; official code: [512, 512]")
     gmm_modes: int = Field(5, ge=1, description="official code: 5")
     gmm_min_std: float = Field(
-        0.1, gt=0, description="added to every standard deviation (official: 1e-4; docs/results/policies.md)"
+        0.1,
+        gt=0,
+        description="added to every standard deviation (official: 1e-4); docs/results/policies.md says why so large",
     )
     init_from_action_stats: bool = Field(
-        True, description="start at mean and deviation of the actions (official: at random; docs/results/policies.md)"
+        True,
+        description="training starts at the mean and the deviation of the demonstrated actions (official: at random); "
+        "without it some trainings get stuck (docs/results/policies.md)",
     )

@@ -99,8 +99,14 @@ class Motion:
         return self.fingers > GRIPPER_OPEN / 2
 
     def follow(self, pursuit: Pursuit, gripper: float, watch: Callable[[Array], str], grasping: bool = False) -> str:
-        """Follow a path until `watch`, given the pose (4, 4) of the hand before every step, returns a word; that, or
-        'timeout'. `grasping`: it leads to a grasp, so that demonstrations may disturb it."""
+        """Follow a path until `watch`, given the pose (4, 4) of the hand before every step, returns a word.
+
+        Args:
+            grasping: whether the path leads to a grasp, so that demonstrations may disturb it.
+
+        Returns:
+            That word, or 'timeout'.
+        """
         while not self.out_of_time:
             hand = self.task.hand()
             aim = pursuit.aim(hand)
@@ -118,8 +124,11 @@ class Motion:
         watch: Callable[[Array], str] = lambda hand: "",
         grasping: bool = False,
     ) -> tuple[str, Pursuit]:
-        """Follow a path (K, 4, 4) to its end, unless `watch` returns a word before. Returns '' on arrival, that word,
-        'stall' or 'timeout'; and how far the hand came."""
+        """Follow a path (K, 4, 4) to its end, unless `watch` returns a word before.
+
+        Returns:
+            '' on arrival, that word, 'stall' or 'timeout'; and how far the hand came.
+        """
         pursuit, stall = Pursuit(path, lookahead), Stall(0.002)
 
         def check_arrival(hand: Array) -> str:

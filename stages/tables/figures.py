@@ -90,8 +90,13 @@ def save(figure: Figure, folder: Path, name: str, formats: tuple[str, ...] = ("s
 
 
 def figure6(pictures: dict[tuple[str, str], Path], rooms: list[str], width: int) -> Figure:
-    """A grid of comparison pictures (input beside reconstruction), `width` pixels at most: a row per room, also of
-    those in `rooms` that were not run, a column per variant, which may be ''."""
+    """A grid of comparison pictures (input beside reconstruction): a row per room, a column per variant.
+
+    Args:
+        pictures: (room, variant) -> picture; the variant may be ''.
+        rooms: rooms that get a row even if they were not run.
+        width: of a picture, pixels at most.
+    """
     names = sorted({*rooms, *(room for room, _ in pictures)}, key=sort_key)
     variants = sorted({variant for _, variant in pictures}) or [""]
     images = {key: np.asarray(read_narrow(path, width)) for key, path in pictures.items()}

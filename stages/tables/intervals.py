@@ -82,9 +82,13 @@ def unit_rates(side: Side) -> Floats:
 
 
 def place_weights(places: pd.Index, samples: int, rng: np.random.Generator) -> Floats:
-    """Weights (samples, places), which add up to 1, of the places in resamples of families and of states within assets.
-    A single family is in every resample: the interval is about its assets alone. In the plain rate assets weigh
-    alike."""
+    """Weights of the places in resamples of families and of states within assets.
+
+    A single family is in every resample: the interval is about its assets alone. In the plain rate assets weigh alike.
+
+    Returns:
+        (samples, places), each row adds up to 1.
+    """
     family, names = pd.factorize(places.get_level_values("family"))
     weights = rng.multinomial(len(names), np.full(len(names), 1 / len(names)), size=samples)[:, family].astype(float)
     asset, assets = pd.factorize(places.get_level_values("asset"))
@@ -179,8 +183,13 @@ def score_interval(ours: Floats, theirs: Floats, confidence: float) -> Interval:
 
 
 def difference_interval(ours: Side, theirs: Side, options: TablesConfig, same: bool = False) -> Interval:
-    """Interval of rate_of(ours) - rate_of(theirs), sides at the same places: the bootstrap, never narrower than the
-    score interval over the units. `same`: the rows of both are the same policies, resampled together."""
+    """Interval of rate_of(ours) - rate_of(theirs), sides at the same places.
+
+    It is the bootstrap, never narrower than the score interval over the units.
+
+    Args:
+        same: the rows of both sides are the same policies, resampled together; else each side has its own.
+    """
     if same:
         ((rates,),) = resample_rates([[ours - theirs]], options)
         found = rates.mean(axis=1)

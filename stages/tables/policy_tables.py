@@ -33,8 +33,11 @@ def read_pooled(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
 
 
 def check_methods(rollouts: pd.DataFrame, options: MethodTables) -> None:
-    """Refuse rows that would count as several runs of a method: of several checkpoints, or of more runs than selection
-    rollouts choose."""
+    """Refuse rows that would count as several runs of a method and are not.
+
+    Raises:
+        InputError: rows of a policy are of several checkpoints, or of more runs than selection rollouts choose.
+    """
     policy = ["target", "policy", "training_set", "run", "seed"]
     for key, checkpoints in rollouts.groupby(policy)["checkpoint"]:
         if checkpoints.nunique() > 1:
@@ -124,8 +127,12 @@ def policies_table(
     kinds: Kinds | None = None,
     notes: Sequence[str] = (),
 ) -> TextTable:
-    """Table 3 of `table3.cells`, laid out as in the paper, whose values stand beside ours: a row per test asset, a
-    column per set."""
+    """Table 3, laid out as in the paper: a row per test asset, a column per set.
+
+    Args:
+        table: as `table3.cells` gives.
+        published: the paper's, beside ours (`methods.join_published`).
+    """
     ours, theirs = ({tuple(row[name] for name in CELL): row for row in records(one)} for one in (table, published))
     every = theirs | ours
     sets, order = sorted({key[3] for key in every}, key=set_key), [key[:2] for key in (*ours, *theirs)]

@@ -92,8 +92,15 @@ PUBLISHED_3 = ["task", "test_asset", "dino_distance", "training_set", "run", "su
 
 
 def read_rows(model: type[BaseModel], paths: Sequence[Path], one_file: list[str]) -> pd.DataFrame:
-    """All rows of some CSV files, each validated against `model`; a column per field, in the model's order. Rows that
-    agree in all `one_file` columns must come from one file: the same rows given twice would count twice."""
+    """All rows of some CSV files, each validated against `model`; a column per field, in the model's order.
+
+    An empty cell of an optional field is None. Rows that agree in all `one_file` columns must come from one file: the
+    same rows given twice would count twice.
+
+    Raises:
+        InputError: a file is missing, a row breaks the contract (file, line and field named), or two files
+            hold the same rows.
+    """
     rows = []
     source: dict[tuple[object, ...], int] = {}
     for number, path in enumerate(paths):
@@ -193,8 +200,12 @@ def tabulate_gains(
     rollouts: pd.DataFrame, within: Sequence[str], side: str, baseline: str, options: TablesConfig, same: bool = False
 ) -> pd.DataFrame:
     """Success of every value of the column `side` minus that of `baseline`, a row each with `within`, `side`, `GAIN`.
-    Only places where all policies of both were tested are compared, so that the pairs are whole. `same`: both sides are
-    the same policies, and those that are on one alone are left out."""
+
+    Only places where all policies of both were tested are compared, so that the pairs are whole.
+
+    Args:
+        same: both sides are the same policies: those that are on one alone are left out.
+    """
     rows: list[dict[str, Any]] = []
     for key, group in rollouts.groupby(list(within), sort=False):
         sides = {str(name): side_of(part) for name, part in group.groupby(side, sort=False)}

@@ -25,8 +25,12 @@ class Task:
     environment: str = "roomkin.stages.tasks.environment:OpenTaskEnv"
 
     def target_joint(self, folder: Path, like: Affordance | None = None, flaps: bool = False) -> Affordance | None:
-        """The joint of the asset in `folder` that the task is about, None if none will do. `like`: that of the twin;
-        `flaps`: whether of an asset with no other door a flap will do."""
+        """The joint of the asset in `folder` that the task is about, None if none will do.
+
+        Args:
+            like: that of the twin.
+            flaps: whether of an asset with no other door a flap will do.
+        """
         return target_joint(folder, self.part_type, like, flaps)
 
     def suitable_joint(self, folder: Path) -> str:

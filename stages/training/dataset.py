@@ -86,7 +86,12 @@ def read_demonstrations(
     paths: Sequence[Path], per_store: int, release_included: bool = True, task: str = ""
 ) -> DemonstrationSet:
     """The first `per_store` episodes of every store; without `release_included` each up to where the hand last opens.
-    They must be of `task` ('': of any), and of the same options."""
+
+    `task`: that they must be of; '': any.
+
+    Raises:
+        InputError: a file is no episode store, has too few episodes, or differs in task or task options.
+    """
     if not paths or per_store < 1:
         what = "name no episodes to train on."
         raise InputError("--episodes, --per-store", what, "at least one store and one episode", code="E-EPISODES-NONE")

@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 from pydantic import Field
 
-from roomkin.stages.config.__main__ import write_yaml
 from roomkin.stages.config.code import ROOTS, closure, code_digest, files_digest, forget
 from roomkin.stages.config.evaluation import EvaluationConfig
 from roomkin.stages.config.experiment import ExperimentConfig
 from roomkin.stages.config.model import load
 from roomkin.stages.config.names import COMMANDS
 from roomkin.stages.config.packages import find_packages, home_of
+from roomkin.stages.config.reference import write_yaml
 from roomkin.stages.contracts import InputError
 from roomkin.stages.contracts.section import Section
 from tests.refusals import refused

@@ -15,7 +15,7 @@ from roomkin import demo
 from roomkin.plugins.annotator.correcting import Correcting
 from roomkin.plugins.annotator.tests.test_correcting import BOXES
 from roomkin.plugins.ops.outside import list_key_variables, list_outside_paths
-from roomkin.stages.config import __main__
+from roomkin.stages.config import reference
 from roomkin.stages.config.files import ContainersConfig, tag
 from roomkin.stages.config.inputs import INPUT_FILES
 from roomkin.stages.config.model import complete, load, with_defaults
@@ -507,7 +507,7 @@ def test_images_hold_what_the_lists_name_and_nothing_else() -> None:
 
 
 def test_generated_files_are_up_to_date() -> None:
-    for name, text in __main__.generate().items():
+    for name, text in reference.generate().items():
         assert (ROOT / name).read_text(encoding="utf-8") == text, f"{name} drifted from stages/config; run: make config"
 
 
