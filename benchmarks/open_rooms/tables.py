@@ -80,12 +80,7 @@ def compare_with_no_image(rows: pd.DataFrame, judge: str) -> str:
 def group_by_view(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """All things, those that the border cuts, those of which others hide more than half, and the whole ones."""
     hidden = ~rows["cut"] & (rows["seen"] < WHOLE)
-    return {
-        "all": rows,
-        "cut": rows[rows["cut"]],
-        "hidden": rows[hidden],
-        "whole": rows[~rows["cut"] & ~hidden],
-    }
+    return {"all": rows, "cut": rows[rows["cut"]], "hidden": rows[hidden], "whole": rows[~rows["cut"] & ~hidden]}
 
 
 def summarise(rows: pd.DataFrame) -> str:
@@ -238,10 +233,7 @@ def page(rows: pd.DataFrame, steps: pd.DataFrame) -> str:
     for half, about in HALVES.items():
         mine = rows[rows["half"] == half]
         if len(mine):
-            parts += [
-                f"## {half} ({about})\n",
-                *_describe_half(mine),
-            ]
+            parts += [f"## {half} ({about})\n", *_describe_half(mine)]
         if len(steps) and (corrected := steps[steps["half"] == half]).size:
             parts += _describe_clicks(corrected)
     return "\n".join(parts)

@@ -8,14 +8,7 @@ import pandas as pd
 from roomkin.plugins.scorecard.scoring import RoomRow, ThingRow
 from roomkin.plugins.scorecard.truth import About
 from roomkin.stages.config.evaluation import TablesConfig
-from roomkin.stages.tables.intervals import (
-    Side,
-    difference_interval,
-    pair_sides,
-    rate_interval,
-    rate_of,
-    side_of,
-)
+from roomkin.stages.tables.intervals import Side, difference_interval, pair_sides, rate_interval, rate_of, side_of
 
 OPTIONS = TablesConfig()
 

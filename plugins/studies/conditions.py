@@ -19,12 +19,7 @@ COLUMNS = [*CELL, "task", "condition", "assets", "runs", "episodes", "successes"
 
 
 def run(
-    *,
-    out: Path,
-    rollouts: tuple[Path, ...],
-    elsewhere: tuple[Path, ...],
-    names: tuple[str, ...],
-    options: str = "",
+    *, out: Path, rollouts: tuple[Path, ...], elsewhere: tuple[Path, ...], names: tuple[str, ...], options: str = ""
 ) -> None:
     """Write conditions.csv, .html and .tex: every policy and skill under each condition, and minus the usual one.
 

@@ -190,14 +190,9 @@ class Sink(Generator):
 
 
 @category(
-    "sink",
-    templates=4,
-    names="basin, washbasin, wash basin, bathroom sink, kitchen sink, hand basin, lavabo",
-    like="washstand, faucet, tap",
-    kin="fixture",
-    carries="inside",
-    places="floor, top",
-)
+    "sink", templates=4, names="basin, washbasin, wash basin, bathroom sink, kitchen sink, hand basin, lavabo",
+    like="washstand, faucet, tap", kin="fixture", carries="inside", places="floor, top",
+)  # fmt: skip
 def sample_sink(rng: Rng, index: int) -> Sampled:
     """On a pedestal, on a cabinet, at the wall, of a kitchen."""
     style = ["pedestal", "bowl", "hung", "trough"][index % 4]
@@ -263,8 +258,5 @@ TANK = ((0.62, 0.36, 0.74), (0.7, 0.42, 0.84))
 TOILET = Category(
     name="toilet",
     sample=sized(Toilet, TANK, ((0.52, 0.35, 0.4), (0.58, 0.4, 0.44)), TANK, ((0.5, 0.35, 0.36), (0.56, 0.39, 0.42))),
-    templates=4,
-    names="wc, lavatory, loo, water closet, toilet bowl",
-    like="latrine, bidet, urinal",
-    kin="fixture",
-)
+    templates=4, names="wc, lavatory, loo, water closet, toilet bowl", like="latrine, bidet, urinal", kin="fixture",
+)  # fmt: skip

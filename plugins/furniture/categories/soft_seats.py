@@ -99,14 +99,10 @@ def sample_armchair(rng: Rng, index: int) -> Sampled:
     size = round_size(rng.uniform(0.68, 0.82), rng.uniform(0.62, 0.8), rng.uniform(*tall))
     color = pick(rng, FABRICS)
     recipe = Armchair.sample_parameters(
-        rng,
-        index,
-        style=style,
-        seat=round(rng.uniform(0.4, 0.45) / size[2], 3),
-        arm_height=lambda: round(rng.uniform(0.56, 0.63) / size[2], 3),
-        colour=color,
+        rng, index, style=style, seat=round(rng.uniform(0.4, 0.45) / size[2], 3),
+        arm_height=lambda: round(rng.uniform(0.56, 0.63) / size[2], 3), colour=color,
         cushion_colour=lambda: color if rng.random() < 0.6 else pick(rng, FABRICS),
-    )
+    )  # fmt: skip
     return Sampled(size, recipe)
 
 
@@ -162,13 +158,9 @@ def sample_sofa(rng: Rng, index: int) -> Sampled:
     size = round_size(rng.uniform(0.8, 0.98), 0.45 + 0.55 * seats + rng.uniform(-0.05, 0.15), rng.uniform(0.7, 0.9))
     color = pick(rng, FABRICS)
     recipe = Sofa.sample_parameters(
-        rng,
-        index,
-        seats=seats,
-        pillows=lambda: seats > 1 and rng.random() < 0.6,
-        colour=color,
+        rng, index, seats=seats, pillows=lambda: seats > 1 and rng.random() < 0.6, colour=color,
         cushion_colour=lambda: color if rng.random() < 0.6 else pick(rng, FABRICS),
-    )
+    )  # fmt: skip
     return Sampled(size, recipe)
 
 
@@ -210,13 +202,9 @@ class Ottoman(Generator):
 
 
 @category(
-    "ottoman",
-    templates=3,
-    names="pouf, pouffe, footstool, foot stool, hassock",
-    like="bean bag, beanbag",
-    kin="seat",
+    "ottoman", templates=3, names="pouf, pouffe, footstool, foot stool, hassock", like="bean bag, beanbag", kin="seat",
     carries="seat",
-)
+)  # fmt: skip
 def sample_ottoman(rng: Rng, index: int) -> Sampled:
     """Cubes with a lid, poufs, footstools."""
     wide = rng.uniform(0.42, 0.7)
@@ -263,13 +251,9 @@ def _pillow(x: float, y: float, z: float, pinch: float, flat: float) -> Trimesh:
 
 
 @category(
-    "cushion",
-    templates=4,
-    names="pillow, throw pillow, couch cushion, sofa cushion, seat cushion",
-    like="bolster, headrest",
-    kin="cloth",
-    places="top",
-)
+    "cushion", templates=4, names="pillow, throw pillow, couch cushion, sofa cushion, seat cushion",
+    like="bolster, headrest", kin="cloth", places="top",
+)  # fmt: skip
 def sample_cushion(rng: Rng, index: int) -> Sampled:
     """Square ones of sofas, long ones of beds, round ones of chairs."""
     wide = rng.uniform(0.38, 0.5)

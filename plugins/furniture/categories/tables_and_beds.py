@@ -112,13 +112,9 @@ def sample_table(rng: Rng, index: int) -> Sampled:
 
 
 @category(
-    "coffee_table",
-    templates=4,
-    count=10,
-    names="table coffee, low table, tea table, cocktail table, center table, centre table",
-    kin="table",
-    carries="top",
-)
+    "coffee_table", templates=4, count=10,
+    names="table coffee, low table, tea table, cocktail table, center table, centre table", kin="table", carries="top",
+)  # fmt: skip
 def sample_coffee_table(rng: Rng, index: int) -> Sampled:
     """Low tables, some with a shelf, some round."""
     legs = ["square", "splayed", "panels", "round"][index % 4]
@@ -174,10 +170,6 @@ class Bed(Generator):
 
 
 BED = Category(
-    name="bed",
-    sample=sized(Bed, ((1.95, 0.9, 0.75), (2.1, 1.1, 1.1)), ((1.95, 1.4, 0.75), (2.1, 1.7, 1.1))),
-    templates=3,
-    count=10,
-    kin="bed",
-    carries="seat",
-)
+    name="bed", sample=sized(Bed, ((1.95, 0.9, 0.75), (2.1, 1.1, 1.1)), ((1.95, 1.4, 0.75), (2.1, 1.7, 1.1))),
+    templates=3, count=10, kin="bed", carries="seat",
+)  # fmt: skip
