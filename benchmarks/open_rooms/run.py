@@ -51,12 +51,8 @@ def shelves(results: Path, config: Config) -> Shelves:
     models = list((results / "assets/library").glob("shard_*.zip"))
     if not models or {len(features), len(snapshots)} != {len(models)}:
         wanted = " ".join(f"{results}/matching/features/{store}/shard_{shard}.npy" for shard in range(len(models)))
-        raise InputError(
-            results,
-            "has no library with features of all its models.",
-            f"snakemake --cores 2 {wanted}",
-            code="E-FEATURES-MISSING",
-        )
+        what = "has no library with features of all its models."
+        raise InputError(results, what, f"snakemake --cores 2 {wanted}", code="E-FEATURES-MISSING")
     return Shelves(results / "assets/library/library.json", tuple(features), tuple(snapshots))
 
 

@@ -30,9 +30,8 @@ def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed
         raise InputError("assets.counts", f"no category '{unknown[0]}'.", names, code="E-CATEGORY-UNKNOWN")
     wanted = [(category, k) for category, count in sorted(config.counts.items()) for k in range(count)]
     if not wanted:
-        raise InputError(
-            "assets", "the library would be empty.", "set assets.counts or assets.folders", code="E-LIBRARY-EMPTY"
-        )
+        what = "the library would be empty."
+        raise InputError("assets", what, "set assets.counts or assets.folders", code="E-LIBRARY-EMPTY")
     if not 0 <= shard < shards:
         raise InputError("--shard", f"{shard} is not below --shards {shards}.", code="E-SHARD-NUMBER")
     with TemporaryDirectory(prefix="acdc-library-") as folder:

@@ -217,21 +217,18 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Given]:
     """
     if given.is_file():
         if not is_model(given, given.resolve().parent, kinds):
-            raise InputError(
-                given, "is no model.", f"one of {', '.join(kinds)}, or a folder of them", code="E-MODELS-NONE"
-            )
+            what = "is no model."
+            raise InputError(given, what, f"one of {', '.join(kinds)}, or a folder of them", code="E-MODELS-NONE")
         if is_part(given, given.resolve().parent):
-            raise InputError(
-                given, "is a part that MJCF models include.", "give the file that includes it", code="E-MJCF-PART"
-            )
+            what = "is a part that MJCF models include."
+            raise InputError(given, what, "give the file that includes it", code="E-MJCF-PART")
         return [describe_single_file(given)]
     if not given.is_dir():
         raise InputError(given, "is not there.", "a folder of models, or a model's file", code="E-MODELS-NONE")
     inside, outside = sorted([given.resolve(), out.resolve()], key=lambda path: -len(path.parts))
     if inside.is_relative_to(outside):
-        raise InputError(
-            "--out", f"{out} and {given} lie in one another.", "give a folder beside it", code="E-OUT-INSIDE"
-        )
+        what = f"{out} and {given} lie in one another."
+        raise InputError("--out", what, "give a folder beside it", code="E-OUT-INSIDE")
     if found := discover(given, kinds):
         if left_out := describe_unread(given):
             print(escape_control(f"{given}: {left_out}"), file=sys.stderr)
@@ -242,9 +239,8 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Given]:
         mend = describe_unread(given) or "give the folder or the file of the model that they are part of"
         raise InputError(given, what, mend, code="E-MODELS-NONE")
     fix = "see docs/your-models.md for the layout"
-    raise InputError(
-        given, f"holds no models ({', '.join(kinds)}).", describe_unread(given) or fix, code="E-MODELS-NONE"
-    )
+    what = f"holds no models ({', '.join(kinds)})."
+    raise InputError(given, what, describe_unread(given) or fix, code="E-MODELS-NONE")
 
 
 def describe_unread(folder: Path) -> str:

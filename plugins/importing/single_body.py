@@ -57,9 +57,8 @@ def leave_out(robot: RobotModel, without: Sequence[str], path: Path) -> RobotMod
     known = set().union(*named)
     if unknown := [name for name in without if name not in known]:
         mend = f"name its nodes, {', '.join(sorted(known))}"[:300]
-        raise InputError(
-            path, f"has no node '{unknown[0]}', which asset.json leaves out.", mend, code="E-MODEL-WITHOUT"
-        )
+        what = f"has no node '{unknown[0]}', which asset.json leaves out."
+        raise InputError(path, what, mend, code="E-MODEL-WITHOUT")
     kept = [mesh for mesh, names in zip(meshes, named, strict=True) if not names.intersection(without)]
     if not kept:
         raise InputError(path, "has no node that asset.json does not leave out.", "name fewer", code="E-MODEL-WITHOUT")

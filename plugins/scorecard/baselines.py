@@ -137,9 +137,8 @@ def read_depth(path: Path) -> NDArray[np.uint16]:
     """
     pixels = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     if pixels is None or pixels.ndim != 2:
-        raise InputError(
-            path, "is missing, or no picture of 16 bits.", "make the rooms again", code="E-FILE-UNREADABLE"
-        )
+        what = "is missing, or no picture of 16 bits."
+        raise InputError(path, what, "make the rooms again", code="E-FILE-UNREADABLE")
     return np.asarray(pixels, np.uint16)
 
 

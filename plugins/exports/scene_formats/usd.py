@@ -17,9 +17,8 @@ from roomkin.stages.geometry.frames import OPENGL, make_transform, quaternion_fr
 try:
     from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt
 except ImportError:
-    raise InputError(
-        "--format usd", "usd-core is not installed.", "pip install usd-core", code="E-USD-MISSING"
-    ) from None
+    what = "usd-core is not installed."
+    raise InputError("--format usd", what, "pip install usd-core", code="E-USD-MISSING") from None
 
 ROOT, LOOKS = "/World", "/World/Looks"
 

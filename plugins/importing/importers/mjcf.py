@@ -36,9 +36,8 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     if model.ngeom > MOST_SHAPES:
         raise InputError(path, f"has {model.ngeom} shapes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
     if (free := int((model.jnt_type == mjtJoint.mjJNT_FREE).sum())) > 1:
-        raise InputError(
-            path, f"holds {free} free bodies: a scene, not a model.", "one file per model", code="E-MJCF-SCENE"
-        )
+        mend = "one file per model"
+        raise InputError(path, f"holds {free} free bodies: a scene, not a model.", mend, code="E-MJCF-SCENE")
     reader = _Reader(spec, model)
     links, joints = reader.tree()
     if not any(link.visuals for link in links.values()):
