@@ -141,8 +141,7 @@ def plan_steps(
         correction = Correction.model_validate({"mask": main, **said}) if said else None
         mask = "joined" if others else "found"
         steps.append(Step(thing.number, thing.kind, mask, how, main, effort, by_hand, correction))
-    strays = sorted((placed & set(items)) - used)
-    gone = [Correction(mask=value, gone=True) for value in strays]
+    gone = [Correction(mask=value, gone=True) for value in sorted((placed & set(items)) - used)]
     return steps + [Step(0, "", "deleted", "", one.mask, Effort(DELETE), Effort(), one) for one in gone]
 
 

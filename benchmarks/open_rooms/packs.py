@@ -150,8 +150,7 @@ class PackModel:
         parts = list(_obj(*self.find_obj()))
         points = np.concatenate([part.vertices for part in parts])
         stated = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
-        scale = stated / np.ptp(points, axis=0)
-        return [_transform_part(part, np.diag([*scale, 1.0])) for part in parts]
+        return [_transform_part(part, np.diag([*(stated / np.ptp(points, axis=0)), 1.0])) for part in parts]
 
     def load_mjcf(self) -> tuple[mujoco.MjModel, mujoco.MjData, set[int], NDArray[np.float64]]:
         """Of a MuJoCo file: the world as it stands there, the body of the model's name, or else its last tree, with all

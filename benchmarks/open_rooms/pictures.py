@@ -58,8 +58,7 @@ def _make(root: Path, folder: Path, half: str, models: list[packs.PackModel], sa
     else:
         room = rooms.furnish(kind, models, views.top_of, rng)
     device = sensor.DEVICES[int(rng.integers(len(sensor.DEVICES)))]
-    roll = rng.normal(0, np.deg2rad(2.5)) if device.handheld else 0.0
-    pose = views.look_at(room.eye, room.look, roll)
+    pose = views.look_at(room.eye, room.look, rng.normal(0, np.deg2rad(2.5)) if device.handheld else 0.0)
     caster = views.Caster(views.surfaces(room))
     seen, owner = views.cast_view(caster, pose, device.focal)
     things = _truth(room, caster, owner, pose, device.focal, rng)

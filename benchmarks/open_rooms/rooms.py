@@ -74,8 +74,7 @@ Top = Callable[
 @cache
 def plans() -> dict[str, dict[str, Any]]:
     """rooms.yaml."""
-    text = (Path(__file__).parent / "rooms.yaml").read_text()
-    return dict(yaml.safe_load(text))
+    return dict(yaml.safe_load((Path(__file__).parent / "rooms.yaml").read_text()))
 
 
 def names(half: str, learning: int = 0) -> list[str]:

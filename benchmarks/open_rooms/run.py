@@ -98,8 +98,7 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
     scene = folder.name.replace("-", "_")
     if not objects.is_file():
         with log_stage(out / "extraction.log"):
-            corrections = _make_input(root, folder, kind, entry)
-            extract_objects(entry, scene, objects, config, corrections)
+            extract_objects(entry, scene, objects, config, _make_input(root, folder, kind, entry))
     for row in rows:
         ranks = {} if row == "geometry" and kind in BY_HAND else ONE_RANK  # the others are there to be compared with
         place_cousins(entry, objects, out, row, config, shelf, ranks)

@@ -175,8 +175,7 @@ def cast_view(caster: Caster, pose: Floats, focal: float) -> tuple[SensorView, N
     origins = np.broadcast_to(pose[:3, 3], directions.shape)
     depth, which, normal = caster.hits(origins, directions)
     kinds = np.array([*(surface.kind for surface in caster.surfaces), MATT])
-    owners = np.array([*(surface.owner for surface in caster.surfaces), 0])
-    surface, owner = kinds[which], owners[which]
+    surface, owner = kinds[which], np.array([*(surface.owner for surface in caster.surfaces), 0])[which]
     unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     cosine = np.abs((unit * normal).sum(axis=1))
     beyond = depth.copy()

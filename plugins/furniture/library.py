@@ -44,5 +44,4 @@ def make(category: str, index: int, seed: int, folder: Path, variations: bool = 
     """Build the `index`-th procedural model of a category; without `variations` it is a template."""
     recipe = sample(category, index, seed, variations)
     name = model_name(category, index)
-    provenance = f"procedural: {recipe.generator}, seed {seed}"
-    return build(recipe, None, folder / name, name, category, provenance)
+    return build(recipe, None, folder / name, name, category, f"procedural: {recipe.generator}, seed {seed}")

@@ -83,8 +83,7 @@ def shell_pieces(
     edges = 2 * np.pi * np.arange(pieces + 1) / pieces
     for (a, b), (c, d) in zip(itertools.pairwise(outer), itertools.pairwise(inner), strict=True):
         for angles in itertools.pairwise(edges):
-            points = [(r * np.cos(t), r * np.sin(t), z) for t in angles for r, z in (a, b, c, d)]
-            solids.append(hull(points))
+            solids.append(hull([(r * np.cos(t), r * np.sin(t), z) for t in angles for r, z in (a, b, c, d)]))
     return solids
 
 

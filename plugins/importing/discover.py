@@ -186,8 +186,7 @@ def _list_usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
 def _first_kind(place: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
     """The files of the first kind that occurs in a model's folder."""
     inside = [path for path in sorted(place.rglob("*")) if is_utf8(str(path)) and is_model(path, folder, kinds)]
-    groups = ([path for path in inside if path.suffix.lower() == kind] for kind in kinds)
-    return next(filter(None, groups), [])
+    return next(filter(None, ([path for path in inside if path.suffix.lower() == kind] for kind in kinds)), [])
 
 
 def _numbered_model(folder: Path) -> Path | None:

@@ -62,8 +62,7 @@ def leave_out(robot: RobotModel, without: Sequence[str], path: Path) -> RobotMod
     kept = [mesh for mesh, names in zip(meshes, named, strict=True) if not names.intersection(without)]
     if not kept:
         raise InputError(path, "has no node that asset.json does not leave out.", "name fewer", code="E-MODEL-WITHOUT")
-    line = f"left out, as asset.json says: {', '.join(without)}"
-    return make_body(path, kept, [*robot.remarks, line])
+    return make_body(path, kept, [*robot.remarks, f"left out, as asset.json says: {', '.join(without)}"])
 
 
 def find_ground(robot: RobotModel, height: int) -> str:

@@ -60,8 +60,7 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
         columns=ENDS
     )
     merged = table.merge(differences, "left", by)[COLUMNS]
-    usual_first = merged.sort_values("condition", key=lambda names: names.where(names != USUAL, ""))
-    return in_order(usual_first)
+    return in_order(merged.sort_values("condition", key=lambda names: names.where(names != USUAL, "")))
 
 
 def against_baselines(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:

@@ -63,8 +63,7 @@ class Radiator(Generator):
             for b in (-0.62 * x, 0.62 * x) if k in (0, count - 1) else ():
                 leg = rod((b, a, 0), (b, a, foot + 0.02 * z), 0.2 * x, 0.16 * x)
                 parts.add(leg, self.colour, WATER, smooth=True)
-        core = box((-0.9 * x, 0.9 * x), (-0.98 * y, 0.98 * y), (foot, z))
-        parts[0] = replace(parts[0], collisions=(core,))
+        parts[0] = replace(parts[0], collisions=(box((-0.9 * x, 0.9 * x), (-0.98 * y, 0.98 * y), (foot, z)),))
         return parts
 
     def _towels(self, x: float, y: float, z: float) -> Parts:

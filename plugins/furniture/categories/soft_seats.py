@@ -192,8 +192,7 @@ class Ottoman(Generator):
         if self.style == "cube":
             parts.add(cushion((-0.98 * x, -0.98 * y, low), (0.98 * x, 0.98 * y, seam), edge), self.colour, PADDED)
         else:
-            rail = box((-0.93 * x, 0.93 * x), (-0.93 * y, 0.93 * y), (0.8 * seam, seam))
-            parts.add(rail, self.foot_colour)
+            parts.add(box((-0.93 * x, 0.93 * x), (-0.93 * y, 0.93 * y), (0.8 * seam, seam)), self.foot_colour)
         for a in (-0.86 * x, 0.86 * x):
             for b in (-0.86 * y, 0.86 * y):
                 reach = low if self.style == "cube" else 0.8 * seam
@@ -209,8 +208,7 @@ def sample_ottoman(rng: Rng, index: int) -> Sampled:
     """Cubes with a lid, poufs, footstools."""
     wide = rng.uniform(0.42, 0.7)
     deep = wide * [rng.uniform(0.7, 1.0), 1.0, rng.uniform(0.65, 0.9)][index % 3]
-    size = round_size(deep, wide, rng.uniform(0.36, 0.47))
-    return Sampled(size, Ottoman.sample_parameters(rng, index))
+    return Sampled(round_size(deep, wide, rng.uniform(0.36, 0.47)), Ottoman.sample_parameters(rng, index))
 
 
 class Pillow(Generator):
@@ -246,8 +244,7 @@ def _pillow(x: float, y: float, z: float, pinch: float, flat: float) -> Trimesh:
     corner = np.arange((GRID + 1) ** 2).reshape(GRID + 1, GRID + 1)
     a, b, c, d = (corner[i : i + GRID, j : j + GRID].ravel() for i, j in ((0, 0), (1, 0), (1, 1), (0, 1)))
     up = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    down = up[:, ::-1] + corner.size
-    return Trimesh(np.concatenate(sheets), np.concatenate([up, down]), process=True)
+    return Trimesh(np.concatenate(sheets), np.concatenate([up, up[:, ::-1] + corner.size]), process=True)
 
 
 @category(

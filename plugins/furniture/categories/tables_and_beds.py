@@ -106,8 +106,7 @@ def sample_table(rng: Rng, index: int) -> Sampled:
     legs = ["square", "tapered", "trestle", "pedestal", "splayed", "panels", "round"][index % 7]
     is_round = legs == "pedestal"
     x = rng.uniform(0.75, 0.95)
-    y = x if is_round else rng.uniform(1.0, 1.8)
-    size = round_size(x, y, rng.uniform(0.70, 0.78))
+    size = round_size(x, x if is_round else rng.uniform(1.0, 1.8), rng.uniform(0.70, 0.78))
     return Sampled(size, _sample_table(rng, index, legs, "round" if is_round else "rectangle", 0.0))
 
 
@@ -120,8 +119,7 @@ def sample_coffee_table(rng: Rng, index: int) -> Sampled:
     legs = ["square", "splayed", "panels", "round"][index % 4]
     is_round = index % 4 == 1
     x = rng.uniform(0.5, 0.7)
-    y = x if is_round else rng.uniform(0.8, 1.2)
-    size = round_size(x, y, rng.uniform(0.35, 0.5))
+    size = round_size(x, x if is_round else rng.uniform(0.8, 1.2), rng.uniform(0.35, 0.5))
     shelf = [0.25, 0.0, 0.0, 0.25][index % 4]
     return Sampled(size, _sample_table(rng, index, legs, "round" if is_round else "rectangle", shelf))
 

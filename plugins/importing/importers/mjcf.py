@@ -181,8 +181,7 @@ class _Reader:
         elif kind == mjtGeom.mjGEOM_SPHERE:
             yield trimesh.creation.icosphere(2, size[0])
         elif kind == mjtGeom.mjGEOM_ELLIPSOID:
-            ball = trimesh.creation.icosphere(2)
-            yield transform_mesh(ball, np.diag([*size, 1.0]))
+            yield transform_mesh(trimesh.creation.icosphere(2), np.diag([*size, 1.0]))
         elif kind == mjtGeom.mjGEOM_CYLINDER:
             yield trimesh.creation.cylinder(size[0], 2 * size[1])
         elif kind == mjtGeom.mjGEOM_CAPSULE:

@@ -103,8 +103,7 @@ def _join_file(header: Header, binary: bytes) -> bytes:
     """A .glb of a header and what follows it."""
     text = json.dumps(header).encode()
     text += b" " * (-len(text) % 4)
-    start = struct.pack("<4sIII4s", MAGIC, 2, 20 + len(text) + len(binary), len(text), b"JSON")
-    return start + text + binary
+    return struct.pack("<4sIII4s", MAGIC, 2, 20 + len(text) + len(binary), len(text), b"JSON") + text + binary
 
 
 def refuse_unread(path: Path, header: Header) -> None:

@@ -103,5 +103,4 @@ def _read_geom(world: Any, data: Any, geom: int) -> trimesh.Trimesh | None:
         solid = trimesh.creation.capsule(2 * size[1], size[0])
     else:
         return None
-    pose = make_transform(data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom])
-    return solid.apply_transform(pose)
+    return solid.apply_transform(make_transform(data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]))
