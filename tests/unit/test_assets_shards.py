@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from roomkin.plugins.importing import own
-from roomkin.plugins.importing.package import MEAN, Shard, groups, own_shards
+from roomkin.plugins.importing.shards import MEAN, Shard, groups, own_shards
 from roomkin.plugins.pictures import snapshots as sheets
 from roomkin.stages.assets import snapshots
 from roomkin.stages.config.assets import AssetsConfig
@@ -65,7 +65,7 @@ def test_a_change_makes_anew_what_may_read_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changed: str, models: set[str] | None
 ) -> None:
     """A model's own folder, and what lies in no model's; everything, where other folders are named; no page of ours."""
-    monkeypatch.setattr("roomkin.plugins.importing.package.MEAN", 1)  # every model by itself
+    monkeypatch.setattr("roomkin.plugins.importing.shards.MEAN", 1)  # every model by itself
     mine = write(tmp_path / "mine", "bowl/a/model.urdf", "bowl/a/meshes/a.obj", "bowl/flat.obj", "45/mobility.urdf")
     write(mine, "45/meta.json", "common/wood.png", "jug/c/c.urdf")
     (mine / "jug/c/c.urdf").write_text('<mesh filename="package://bowl/a.obj"/>')

@@ -15,7 +15,7 @@ import trimesh
 import yaml
 
 from roomkin.plugins.importing.own import run as own
-from roomkin.plugins.importing.package import own_shards
+from roomkin.plugins.importing.shards import own_shards
 from roomkin.plugins.scenes.layout import arrange
 from roomkin.plugins.scenes.recipe import read_room, room_files
 from roomkin.stages.config import code

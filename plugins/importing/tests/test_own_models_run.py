@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from roomkin.plugins.importing.own import run as own
-from roomkin.plugins.importing.package import own_shards
+from roomkin.plugins.importing.shards import own_shards
 from roomkin.stages.config.assets import COUNTS, AssetsConfig
 from roomkin.stages.config.model import load, with_defaults
 from roomkin.stages.config.reads import stores
