@@ -24,10 +24,8 @@ from roomkin.stages.policies.base import make_policy
 from roomkin.stages.training import train
 
 ROOT = Path(__file__).resolve().parents[1]
-UPDATES = {
-    "lite": (100, 500),
-    "paper": (2, 6),
-}  # of two trainings, whose difference is timed: nothing of the start counts
+# Of two trainings, whose difference is timed: nothing of the start counts.
+UPDATES = {"lite": (100, 500), "paper": (2, 6)}
 ENVIRONMENTS, POINTS, PICTURES = 16, 512, 8
 
 

@@ -66,9 +66,8 @@ class OpenRoom:
     things: list[PlacedModel] = field(default_factory=list)
 
 
-Top = Callable[
-    [PlacedModel, NDArray[np.float64]], NDArray[np.float64]
-]  # height of a thing's surface at points; NaN: none
+# Height of a thing's surface at points; NaN: none.
+Top = Callable[[PlacedModel, NDArray[np.float64]], NDArray[np.float64]]
 
 
 @cache

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.open_rooms.packs import PackModel, PaintedMesh
 from benchmarks.open_rooms.rooms import HEIGHT, WALLS, OpenRoom, PlacedModel
 from benchmarks.open_rooms.sensor import DARK, GLASS, MATT, MIRROR, Floats, SensorView
+from roomkin.stages.geometry import frames
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 WIDTH, HEIGHT_PX = 640, 480
@@ -31,13 +32,7 @@ class PlacedMesh:
 
 def look_at(eye: Sequence[float], look: Sequence[float], roll: float = 0.0) -> NDArray[np.float64]:
     """world_from_camera (4, 4) of a camera, x right, y down, z forward; `roll` radians clockwise."""
-    forward = np.subtract(look, eye)
-    forward /= np.linalg.norm(forward)
-    right = np.cross(forward, [0.0, 0.0, 1.0])
-    right /= np.linalg.norm(right)
-    down = np.cross(forward, right)
-    turn = np.array([[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]])
-    return make_transform(np.column_stack([right, down, forward]) @ turn, eye)
+    return frames.look_at(eye, look) @ make_transform(yaw_matrix(roll), np.zeros(3))
 
 
 def intrinsics(focal: float) -> NDArray[np.float64]:

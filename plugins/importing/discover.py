@@ -225,11 +225,7 @@ def _find_place(whole: Path, folder: Path) -> Path:
 
 def is_utf8(name: str) -> bool:
     """Whether the name of a file is text."""
-    try:
-        name.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
+    return name == name.encode(errors="replace").decode()
 
 
 def is_model(path: Path, folder: Path, kinds: Sequence[str]) -> bool:

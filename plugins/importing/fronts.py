@@ -22,9 +22,7 @@ from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 SHORTEST = PARTS["drawer"].motion[0]  # metres; and extents of the smallest front
 WIDEST = np.deg2rad(200)  # that a door turns: beyond it, nobody has set its limits
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
-BEHIND_FRONT = (
-    0.3  # of its parent's extent along a slide: what is as far behind the front of that when closed is no drawer
-)
+BEHIND_FRONT = 0.3  # of its parent's extent along a slide: what is as far behind its front when closed is no drawer
 
 
 class ClosedFront(NamedTuple):

@@ -49,7 +49,7 @@ def sample_placements(
 OVER = (0.06, 0.02)  # metres above what a held object is lifted over, tried in turn; chosen
 
 
-class PlaceSkill(CarrySkill):
+class Skill(CarrySkill):
     """Puts the object that the hand holds where the task wants it."""
 
     def is_done(self) -> bool:
