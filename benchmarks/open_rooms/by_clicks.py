@@ -180,16 +180,9 @@ def list_steps(root: Path, folder: Path) -> list[dict[str, Any]]:
     picture = pictures.read(folder)
     return [
         {
-            "half": picture.half,
-            "picture": picture.name,
-            "number": step.number,
-            "kind": step.kind,
-            "mask": step.mask,
-            "name": step.name,
-            "clicks": step.unaided.clicks,
-            "words": step.unaided.words,
-            "clicks_by_hand": step.by_hand.clicks,
-            "words_by_hand": step.by_hand.words,
+            "half": picture.half, "picture": picture.name, "number": step.number, "kind": step.kind, "mask": step.mask,
+            "name": step.name, "clicks": step.unaided.clicks, "words": step.unaided.words,
+            "clicks_by_hand": step.by_hand.clicks, "words_by_hand": step.by_hand.words,
         }
         for step in plan_corrections(root, folder)
-    ]
+    ]  # fmt: skip

@@ -371,18 +371,11 @@ def models(folder: Path, half: str) -> list[PackModel]:
         rows = [row for row in csv.DictReader(file) if row["pack"] in (HALVES | MIXED)[half]]
     return [
         PackModel(
-            row["pack"],
-            row["model"],
-            row["kind"],
-            tuple(row["opens"].split()),
-            row["handle"],
-            row["symmetry"] or kinds()[row["kind"]].turn,
-            row["frame"],
-            float(row["scale"] or 1),
-            folder,
+            row["pack"], row["model"], row["kind"], tuple(row["opens"].split()), row["handle"],
+            row["symmetry"] or kinds()[row["kind"]].turn, row["frame"], float(row["scale"] or 1), folder,
         )
         for row in rows
-    ]
+    ]  # fmt: skip
 
 
 def texture(folder: Path, half: str, name: str) -> Image.Image:

@@ -122,19 +122,13 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
         ["masks", "chosen by", "things", "pictures", "objects", "placed", *MEASURES, "Chamfer, thousandths"],
         (
             [
-                masks,
-                judge,
-                about,
-                str(group["picture"].nunique()),
-                str(len(group)),
-                str(int((group["status"] == "ok").sum())),
-                *_measures(group),
-                f"{1000 * group['chamfer'].mean():.1f}",
+                masks, judge, about, str(group["picture"].nunique()), str(len(group)),
+                str(int((group["status"] == "ok").sum())), *_measures(group), f"{1000 * group['chamfer'].mean():.1f}",
             ]
             for masks, judge, about, group in groups
             if len(group)
         ),
-    )
+    )  # fmt: skip
     main = rows[(rows["masks"] == "drawn") & (rows["judge"] == "geometry")]
     yield "By rank (drawn masks, `geometry`):\n"
     yield table(

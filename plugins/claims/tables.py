@@ -186,16 +186,10 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> TextTable:
         rows=rows,
         headers=2,
         notes=read_notes(
-            "claims",
-            PACKAGE,
-            confidence=format_confidence(options),
-            options=options,
-            not_worse=NOT_WORSE,
-            min_runs=MIN_RUNS,
-            min_spread_runs=MIN_SPREAD_RUNS,
-            power=power,
+            "claims", PACKAGE, confidence=format_confidence(options), options=options, not_worse=NOT_WORSE,
+            min_runs=MIN_RUNS, min_spread_runs=MIN_SPREAD_RUNS, power=power,
         ),
-    )
+    )  # fmt: skip
 
 
 def stability_table(table: pd.DataFrame) -> TextTable:

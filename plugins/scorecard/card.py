@@ -22,15 +22,11 @@ def side_of_things(rows: pd.DataFrame, measure: str) -> Side:
     known = rows.dropna(subset=[measure])
     table = pd.DataFrame(
         {
-            "run": "all",
-            "seed": 0,
-            "checkpoint": "all",
-            "family": known["model"],
-            "asset": known["model"],
+            "run": "all", "seed": 0, "checkpoint": "all", "family": known["model"], "asset": known["model"],
             "initial_state": known["picture"] + "/" + known["number"].astype(str),
             "success": known[measure].astype(float),
         }
-    )
+    )  # fmt: skip
     return side_of(table)
 
 
@@ -73,17 +69,12 @@ def make_line(about: About, things: pd.DataFrame, rooms: pd.DataFrame) -> list[s
     """The cells of a submission's line, below `HEADING`."""
     shapes = pd.to_numeric(things["shape"]).dropna()
     return [
-        _plain(about.method),
-        ", ".join(about.given) or "nothing",
-        f"{int((rooms['placed'] > 0).sum())} of {len(rooms)}",
-        str(len(things)),
-        *(share(things, measure) for measure in MEASURES),
-        describe_shapes(things),
-        _median(things["off_place_cm"], 1),
-        _median(things["iou"], 2),
-        f"{shapes.median():.2f} ({len(shapes)})" if len(shapes) else "",
+        _plain(about.method), ", ".join(about.given) or "nothing",
+        f"{int((rooms['placed'] > 0).sum())} of {len(rooms)}", str(len(things)),
+        *(share(things, measure) for measure in MEASURES), describe_shapes(things), _median(things["off_place_cm"], 1),
+        _median(things["iou"], 2), f"{shapes.median():.2f} ({len(shapes)})" if len(shapes) else "",
         str(int(rooms["extra"].sum())),
-    ]
+    ]  # fmt: skip
 
 
 def describe_shapes(things: pd.DataFrame) -> str:

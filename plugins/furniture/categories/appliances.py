@@ -22,17 +22,10 @@ def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
     front = pick(rng, APPLIANCE)
     handle = METALS[2] if np.mean(finish_of(front).color) > 0.4 else METALS[0]
     plain: dict[str, Any] = {
-        "panel": "flat",
-        "handle": str(rng.choice(["bar", "square_bar"])),
-        "inset_front": False,
-        "top": 0.0,
-        "front_colour": front,
-        "body_colour": shade(front, 0.85),
-        "field_colour": front,
-        "inside_colour": [0.75, 0.76, 0.78],
-        "base_colour": [0.08, 0.08, 0.09],
-        "handle_colour": pick(rng, [handle]),
-    }
+        "panel": "flat", "handle": str(rng.choice(["bar", "square_bar"])), "inset_front": False, "top": 0.0,
+        "front_colour": front, "body_colour": shade(front, 0.85), "field_colour": front,
+        "inside_colour": [0.75, 0.76, 0.78], "base_colour": [0.08, 0.08, 0.09], "handle_colour": pick(rng, [handle]),
+    }  # fmt: skip
     return cabinet_of(rng, layout, **(plain | changes))
 
 
