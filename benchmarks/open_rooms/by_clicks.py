@@ -147,12 +147,7 @@ def plan_steps(
 
 @cache
 def plan_corrections(root: Path, folder: Path) -> list[Step]:
-    """The steps of a picture that `run` has reconstructed unaided; if that stopped, all is drawn.
-
-    Args:
-        root: folder of `render` and `run`.
-        folder: of the picture.
-    """
+    """The steps of a picture that `run` has reconstructed unaided; if that stopped, all is drawn."""
     made = root / "results" / "unaided" / folder.name
     exact = pictures.read_masks(folder)
     things = [thing for thing in pictures.read(folder).things if thing.named]

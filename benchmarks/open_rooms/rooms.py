@@ -114,14 +114,7 @@ def mirror_plan(plan: dict[str, Any]) -> dict[str, Any]:
 def furnish(
     kind: str, models: Sequence[ModelSize], top: Top, rng: np.random.Generator, plan: Mapping[str, Any] | None = None
 ) -> OpenRoom:
-    """One room of a kind.
-
-    Args:
-        kind: of rooms.yaml, if no plan is given.
-        models: to draw from.
-        top: what things can stand on.
-        rng: decides on models, places and camera.
-    """
+    """One room of a kind, or by a plan; `rng` decides on models, places and camera."""
     plan = dict(plan or plans()[kind])
     if rng.random() < 0.5:
         plan = mirror_plan(plan)

@@ -226,14 +226,7 @@ def _measure_thing(
 
 
 def score(root: Path, results: Path, out: Path, version: str) -> None:
-    """Write open.csv.xz (a row per object and rank), clicks.csv, open_sizes.svg, open.md.
-
-    Args:
-        root: folder of `render` and `run`.
-        results: folder with the library.
-        out: folder of the files.
-        version: commit of the code that `run` ran.
-    """
+    """Write open.csv.xz (a row per object and rank), clicks.csv, open_sizes.svg, open.md; `version`: of the code."""
     from benchmarks.open_rooms.sureness import draw_sureness
     from benchmarks.open_rooms.tables import page
 

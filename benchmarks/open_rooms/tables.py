@@ -207,12 +207,7 @@ def _describe_clicks(steps: pd.DataFrame) -> Iterator[str]:
 
 
 def page(rows: pd.DataFrame, steps: pd.DataFrame) -> str:
-    """The page.
-
-    Args:
-        rows: of open.csv.xz.
-        steps: of clicks.csv; may be empty.
-    """
+    """The page, of open.csv.xz and clicks.csv, which may be empty."""
     numbers = [name for name in rows if name.startswith("off_")] + ["yaw_degrees"]
     rows = rows.assign(**{name: pd.to_numeric(rows[name]) for name in numbers})
     rows = rows.assign(facing=(rows["yaw_degrees"] <= FACING).where(rows["yaw"].notna()))  # wrong of what is missing

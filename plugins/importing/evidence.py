@@ -265,11 +265,7 @@ def complete_pack(pack: Pack, proposed: Mapping[str, Shared], categories: Iterab
 
 
 def write_pack(path: Path, pack: Pack, counts: Mapping[str, str]) -> None:
-    """Write the file.
-
-    Args:
-        counts: by suffix, how many models tell what.
-    """
+    """Write the file; `counts`: by suffix, how many models tell what."""
     lines = [HEAD + "kinds:"]
     for kind, shared in pack.kinds.items():
         lines += [f"  # {counts[kind]}"] if kind in counts else []

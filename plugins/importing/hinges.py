@@ -247,11 +247,7 @@ def read_semantics(path: Path, folder: Path) -> set[str]:
 
 
 def explain_unpushable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str:
-    """Why a slide that is sprung or called a button is none that a task can push; empty: it is one.
-
-    Args:
-        frames: of the links in metres, everything closed.
-    """
+    """Why what is sprung or called a button is none that a task can push, in metres, all closed; empty: it is one."""
     moved = list_moved_links(joint, robot.joints)
     cap, rest = merge_visuals(robot, moved, frames), merge_visuals(robot, robot.links.keys() - set(moved), frames)
     least, most = PARTS["button"].motion

@@ -96,12 +96,7 @@ class Portraits:
 
 
 def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, counts: Mapping[str, str]) -> None:
-    """Write the page; the models in the order of their folders, those that are not used last.
-
-    Args:
-        pack: what they share, which the page lets its reader change and save.
-        counts: by suffix, how many models tell what.
-    """
+    """Write the page, which lets its reader change and save `pack`; models by folder, those that are not used last."""
     page = (
         environment("roomkin.plugins.importing")
         .get_template("import_page.html.jinja")
@@ -195,11 +190,7 @@ def run(folder: Path, /, *, out: Path | None = None) -> None:
 
 
 def describe_left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
-    """What lies in `out` of models that are no longer imported, and would be used: a line if there is any.
-
-    Args:
-        now: folders of the models of this import.
-    """
+    """What lies in `out` of models that are not among those of `now`, and would be used: a line if there is any."""
     old = sorted(path.parent for path in out.glob("*/*/asset.json") if path.parent not in now)
     if old:
         names = ", ".join(path.relative_to(out).as_posix() for path in old)

@@ -66,11 +66,7 @@ def leave_out(robot: RobotModel, without: Sequence[str], path: Path) -> RobotMod
 
 
 def find_ground(robot: RobotModel, height: int) -> str:
-    """The node of a thing of one link that is a ground under the rest: flat, lowest, and much wider; empty: none.
-
-    Args:
-        height: number of the axis up.
-    """
+    """The node of a thing of one link that is a ground under the rest: flat, lowest, and much wider; empty: none."""
     corners: dict[str, list[Matrix]] = {}
     for visual in robot.links[robot.root].visuals if len(robot.links) == 1 else ():
         corners.setdefault(next(iter(visual.mesh.metadata.get("nodes", [])), ""), []).append(visual.mesh.bounds)

@@ -87,13 +87,7 @@ class RoomRow:
 def score_submission(
     submission: Submission, folders: Sequence[Path], shapes: dict[str, Cells]
 ) -> tuple[list[ThingRow], list[RoomRow]]:
-    """Rows of things and of rooms.
-
-    Args:
-        submission: as it was read.
-        folders: of the rooms of the set, with their truth.
-        shapes: what is filled of the true models' boxes, by model.
-    """
+    """Rows of things and of rooms; `shapes`: what is filled of the true models' boxes, by model."""
     things, rooms = list[ThingRow](), list[RoomRow]()
     for folder in folders:
         truth = read_truth(folder / "truth.json")
