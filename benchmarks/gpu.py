@@ -99,9 +99,8 @@ def main() -> None:
             continue
         print(f"{device}: {torch.cuda.get_device_name() if device == 'cuda' else 'one thread'}")
         for name, counts in UPDATES.items():
-            print(
-                f"  updates of `{name}` per second  {time_updates(configs[name], counts, asked.episodes, device):8.2f}"
-            )
+            rate = time_updates(configs[name], counts, asked.episodes, device)
+            print(f"  updates of `{name}` per second  {rate:8.2f}")
         print(f"  action of `paper`, 16 environments, ms {time_actions(configs['paper'], device):8.1f}")
         alone, whole = time_dinov2(device)
         print(f"  DINOv2, pictures per second: network {alone:.1f}, encoder on the CPU {whole:.1f}")

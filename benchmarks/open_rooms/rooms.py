@@ -190,9 +190,8 @@ def _place_model(
         x, y = np.array(start) + np.array(inward) * (gap + depth / 2)
         height = spot["bottom"] if how == "hang" else 0.0
         turned = float(np.arctan2(inward[1], inward[0]))
-        return PlacedModel(
-            name, model, (float(x), float(y), height), turned, "wall" if how == "hang" else "floor", wall
-        )
+        support = "wall" if how == "hang" else "floor"
+        return PlacedModel(name, model, (float(x), float(y), height), turned, support, wall)
     if how == "xy":
         x, y = np.array(spot["xy"]) + rng.uniform(-1, 1, 2) * NUDGED
         return PlacedModel(name, model, (float(x), float(y), 0.0), wrap_angle(float(yaw)), "floor")

@@ -67,9 +67,8 @@ def _faults(rows: pd.DataFrame) -> list[str]:
 def compare_with_no_image(rows: pd.DataFrame, judge: str) -> str:
     """Chamfer distance of `no-image` less that of a judge, rank 1, over objects that both placed; in thousandths."""
     first = rows[rows["rank"] == 1]
-    ours, theirs = pair_sides(
-        *(side_of_things(first[first["judge"] == name], "chamfer") for name in ("no-image", judge))
-    )
+    both = (first[first["judge"] == name] for name in ("no-image", judge))
+    ours, theirs = pair_sides(*(side_of_things(one, "chamfer") for one in both))
     if ours.empty:
         return ""
     ((a, b),) = resample_rates([[ours, theirs]], OPTIONS)

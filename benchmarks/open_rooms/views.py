@@ -183,11 +183,8 @@ def cast_view(caster: Caster, pose: Floats, focal: float) -> tuple[SensorView, N
             onward = onward - 2 * (onward * normal[at]).sum(axis=1, keepdims=True) * normal[at]
         start = origins[at] + directions[at] * depth[at, None] + OFF * onward
         beyond[at] = depth[at] + caster.hits(start, onward)[0]
-    shape = (HEIGHT_PX, WIDTH)
-    found = SensorView(
-        depth.reshape(shape), cosine.reshape(shape), beyond.reshape(shape), surface.reshape(shape).astype(np.uint8)
-    )
-    return found, owner.reshape(shape).astype(np.uint16)
+    seen = (each.reshape(HEIGHT_PX, WIDTH) for each in (depth, cosine, beyond, surface.astype(np.uint8)))
+    return SensorView(*seen), owner.reshape(HEIGHT_PX, WIDTH).astype(np.uint16)
 
 
 def top_of(thing: PlacedModel, points: Floats) -> Floats:

@@ -161,9 +161,8 @@ def _sides(rollouts: pd.DataFrame, ours: str, theirs: str) -> tuple[Sides, Sides
     sides: tuple[Sides, Sides] = ({}, {})
     for name, which in rows.items():
         found = rollouts[which]
-        pair = intervals.pair_sides(
-            *(intervals.side_of(found[found["training_set"] == side]) for side in (ours, theirs))
-        )
+        both = (found[found["training_set"] == side] for side in (ours, theirs))
+        pair = intervals.pair_sides(*map(intervals.side_of, both))
         if not pair[0].empty:
             sides[0][name], sides[1][name] = pair
     return sides

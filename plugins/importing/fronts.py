@@ -38,10 +38,9 @@ def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     A model stays as it is without joints, without a common direction of its faces, or if it is askew by less than
     `ASKEW`.
     """
-    shown = (
-        merge_visuals(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
-    )
-    if shown is None:
+    if all(joint.type == "fixed" for joint in robot.joints):
+        return robot, 0.0
+    if (shown := merge_visuals(robot, robot.links, link_frames(robot))) is None:
         return robot, 0.0
     normals = shown.face_normals[:, :2]
     weights = shown.area_faces * (np.hypot(*normals.T) > hinges.ALONG)

@@ -180,11 +180,8 @@ def run(folder: Path, /, *, out: Path | None = None) -> None:
     for line in describe_left_behind(out, set(where.values())):
         print(line)
     taken = sum(model.asset is not None for model in models.values())
-    print(
-        escape_control(
-            f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"
-        )
-    )
+    told = f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"
+    print(escape_control(told))
     if not taken:
         raise InputError(folder, "none of its models can be used.", "see above", code="E-MODELS-UNUSABLE")
 
@@ -193,10 +190,8 @@ def describe_left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
     """What lies in `out` of models that are not among those of `now`, and would be used: a line if there is any."""
     old = sorted(path.parent for path in out.glob("*/*/asset.json") if path.parent not in now)
     if old:
-        names = ", ".join(path.relative_to(out).as_posix() for path in old)
-        yield escape_control(
-            f"{out}: still has models that are gone from the source, and they are used: delete {names}"
-        )
+        what = "still has models that are gone from the source, and they are used: delete"
+        yield escape_control(f"{out}: {what} {', '.join(path.relative_to(out).as_posix() for path in old)}")
 
 
 def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Given]:

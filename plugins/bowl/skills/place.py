@@ -93,6 +93,5 @@ class Skill(CarrySkill):
 
     def _rim(self) -> float:
         """Height of the moving part, base frame: a held object is carried over it."""
-        return float(
-            transform_points(self.task.env.base_from_asset(), self.task.env.target.moving.vertices)[:, 2].max()
-        )
+        env = self.task.env
+        return float(transform_points(env.base_from_asset(), env.target.moving.vertices)[:, 2].max())

@@ -159,9 +159,8 @@ class _Reader:
         if self.has_visuals:
             seen = [geom for geom in seen if not self.collides[geom]] or seen
         visuals = [visual.transform(frames[geom]) for geom in seen for visual in self._visuals(geom)]
-        solid = [
-            transform_mesh(mesh, frames[geom]) for geom in geoms if self.collides[geom] for mesh in self._meshes(geom)
-        ]
+        touched = [geom for geom in geoms if self.collides[geom]]
+        solid = [transform_mesh(mesh, frames[geom]) for geom in touched for mesh in self._meshes(geom)]
         solid = solid or [visual.mesh for visual in visuals]
         pieces = [piece for mesh in solid for piece in convex_pieces(mesh)]
         mass = min(float(model.body_mass[body]), self.masses.get(body, 0.0))
