@@ -21,9 +21,8 @@ def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) 
 
 def slab(center: ArrayLike, size: ArrayLike) -> Trimesh:
     """Axis-aligned box by its center and extents."""
-    return Trimesh(
-        np.asarray(center, dtype=float) + CUBE.vertices * np.asarray(size, dtype=float), CUBE.faces, process=False
-    )
+    vertices = np.asarray(center, dtype=float) + CUBE.vertices * np.asarray(size, dtype=float)
+    return Trimesh(vertices, CUBE.faces, process=False)
 
 
 def hull(points: ArrayLike) -> Trimesh:

@@ -11,10 +11,7 @@ from roomkin.stages.articulated.model import Link, Matrix, RobotModel, Visual
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.geometry.solids import MINIMUM_INERTIA, board_mass
 
-GROUND_HEIGHT, GROUND_AREA = (
-    0.1,
-    2.0,
-)  # a ground is lower than this share of its sides, and so much larger than the rest
+GROUND_HEIGHT, GROUND_AREA = 0.1, 2.0  # a ground is lower than this share of its sides, so much larger than the rest
 FLAT_SHARE = 1e-5  # of its largest extent: what is thinner, whichever way it lies, has no inside
 
 

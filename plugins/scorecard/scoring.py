@@ -110,9 +110,8 @@ def make_missing(truth: PictureTruth, thing: TrueThing, status: str, asked: Sequ
     turns = None if thing.symmetry == "full" else False
     carried = is_carrier_right(thing, "", {}, [one.number for one in asked])
     opens, handle = (False if asked else None for asked in (knows_hinges(thing.opens), thing.handles))
-    return ThingRow(
-        **_name(truth, thing), status=status, yaw=turns, facing=turns, carrier=carried, opens=opens, handle=handle
-    )
+    lacks = {"yaw": turns, "facing": turns, "carrier": carried, "opens": opens, "handle": handle}
+    return ThingRow(**_name(truth, thing), status=status, **lacks)
 
 
 def _name(truth: PictureTruth, thing: TrueThing) -> dict[str, Any]:

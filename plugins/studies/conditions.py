@@ -56,10 +56,8 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """
     by = [*CELL, "condition"]
     table = rates(rollouts, by, options)
-    differences = tabulate_gains(rollouts, CELL, "condition", USUAL, options, same=True)[[*by, *ENDS]].rename(
-        columns=ENDS
-    )
-    merged = table.merge(differences, "left", by)[COLUMNS]
+    gains = tabulate_gains(rollouts, CELL, "condition", USUAL, options, same=True)
+    merged = table.merge(gains[[*by, *ENDS]].rename(columns=ENDS), "left", by)[COLUMNS]
     return in_order(merged.sort_values("condition", key=lambda names: names.where(names != USUAL, "")))
 
 

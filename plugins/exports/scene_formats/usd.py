@@ -159,9 +159,8 @@ class _Writer:
         mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)
         UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
         UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr("convexHull")
-        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(
-            self.rough, UsdShade.Tokens.weakerThanDescendants, "physics"
-        )
+        binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
+        binding.Bind(self.rough, UsdShade.Tokens.weakerThanDescendants, "physics")
 
     def _material(self, surface: ColoredMesh) -> Any:
         key = (surface.color, None if surface.image is None else surface.image.tobytes())

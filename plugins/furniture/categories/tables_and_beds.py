@@ -95,9 +95,8 @@ def _sample_table(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Ta
         same = rng.random() < 0.5 and finish_of(color).material in ("wood", "paint")
         return color if same else pick(rng, WOODS, METALS)
 
-    return Table.sample_parameters(
-        rng, index, top=top, legs=legs, shelf=shelf, top_colour=color, leg_colour=pick_leg_color
-    )
+    given = {"top": top, "legs": legs, "shelf": shelf, "top_colour": color, "leg_colour": pick_leg_color}
+    return Table.sample_parameters(rng, index, **given)
 
 
 @category("table", templates=5, count=10, like="counter, countertop, worktop, island", kin="table", carries="top")

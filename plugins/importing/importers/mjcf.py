@@ -260,9 +260,8 @@ def _helper(name: str) -> Link:
 
 def _pose(position: Matrix, quaternion: Matrix) -> Matrix:
     """4x4 of a position and a quaternion w, x, y, z."""
-    return make_transform(
-        Rotation.from_quat(quaternion, scalar_first=True).as_matrix(), np.array(position, dtype=float)
-    )
+    rotation = Rotation.from_quat(quaternion, scalar_first=True)
+    return make_transform(rotation.as_matrix(), np.array(position, dtype=float))
 
 
 IMPORTER = Importer(read_mjcf, suffix=".xml")
