@@ -110,7 +110,7 @@ def make_missing(truth: PictureTruth, thing: TrueThing, status: str, asked: Sequ
     turns = None if thing.symmetry == "full" else False
     carried = is_carrier_right(thing, "", {}, [one.number for one in asked])
     opens, handle = (False if asked else None for asked in (knows_hinges(thing.opens), thing.handles))
-    lacks = {"yaw": turns, "facing": turns, "carrier": carried, "opens": opens, "handle": handle}
+    lacks: dict[str, Any] = {"yaw": turns, "facing": turns, "carrier": carried, "opens": opens, "handle": handle}
     return ThingRow(**_name(truth, thing), status=status, **lacks)
 
 

@@ -133,8 +133,8 @@ class Telephone(Generator):
             flat = grid((0.28 * z, 0.6 * z), (-0.5 * y, 0.5 * y), 4, 3, (0, 0.003))
             keys = [translate(rotate(key, -np.pi / 2, [0, 1, 0]), (0.2 * x + 0.0025, 0, 0)) for key in flat]
             parts.append(seen(keys, self.key_colour))
-            display = box((0.2 * x, 0.2 * x + 0.002), (-0.45 * y, 0.45 * y), (0.66 * z, 0.88 * z))
-            parts.add(display, DARK, PLASTIC, solid=False)
+            screen = box((0.2 * x, 0.2 * x + 0.002), (-0.45 * y, 0.45 * y), (0.66 * z, 0.88 * z))
+            parts.add(screen, DARK, PLASTIC, solid=False)
             return Model(parts, placement="object")
         rear, front_edge = 0.7 * z, 0.7 * z * self.slope
         corners = [(a, b, c) for a, top in ((-x, rear), (x, front_edge)) for b in (-y, y) for c in (0, top)]
