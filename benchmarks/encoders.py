@@ -139,18 +139,14 @@ def main() -> None:
     """The table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--encoder", default="dinov2")
-    parser.add_argument(
-        "--options", default="{}", help='JSON of the encoder\'s options, e.g. {"height": 588, "width": 784}'
-    )
+    parser.add_argument("--options", default="{}", help='JSON of the encoder, e.g. {"height": 588, "width": 784}')
     parser.add_argument("--results", type=Path, default=Path("results"))
     parser.add_argument("--keep", type=Path, required=True, help="folder of encoded pictures, one for each look")
     parser.add_argument("--rooms", nargs="+", default=[f"room_{number}" for number in range(1, 9)])
     parser.add_argument("--grey", action="store_true")
     parser.add_argument("--unit", action="store_true")
     parser.add_argument("--position", type=float)
-    parser.add_argument(
-        "--rivals", type=Path, help="output of another run: choose between its wrong models and the true ones"
-    )
+    parser.add_argument("--rivals", type=Path, help="output of another run: its wrong models against the true ones")
     asked = parser.parse_args()
     change = Change(asked.grey, asked.unit, asked.position)
     config = read_files(CONFIG)

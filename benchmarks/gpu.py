@@ -24,10 +24,8 @@ from roomkin.stages.policies.base import make_policy
 from roomkin.stages.training import train
 
 ROOT = Path(__file__).resolve().parents[1]
-UPDATES = {
-    "lite": (100, 500),
-    "paper": (2, 6),
-}  # of two trainings, whose difference is timed: nothing of the start counts
+# Of two trainings, whose difference is timed: nothing of the start counts.
+UPDATES = {"lite": (100, 500), "paper": (2, 6)}
 ENVIRONMENTS, POINTS, PICTURES = 16, 512, 8
 
 
@@ -101,9 +99,8 @@ def main() -> None:
             continue
         print(f"{device}: {torch.cuda.get_device_name() if device == 'cuda' else 'one thread'}")
         for name, counts in UPDATES.items():
-            print(
-                f"  updates of `{name}` per second  {time_updates(configs[name], counts, asked.episodes, device):8.2f}"
-            )
+            rate = time_updates(configs[name], counts, asked.episodes, device)
+            print(f"  updates of `{name}` per second  {rate:8.2f}")
         print(f"  action of `paper`, 16 environments, ms {time_actions(configs['paper'], device):8.1f}")
         alone, whole = time_dinov2(device)
         print(f"  DINOv2, pictures per second: network {alone:.1f}, encoder on the CPU {whole:.1f}")

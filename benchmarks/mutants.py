@@ -76,9 +76,8 @@ def list_mutants(path: Path) -> Iterator[Mutant]:
     """All changes inside the functions of a module."""
     for function in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(function, ast.FunctionDef):
-            quoted = {
-                id(part) for each in ast.walk(function) if isinstance(each, ast.JoinedStr) for part in ast.walk(each)
-            }
+            texts = [each for each in ast.walk(function) if isinstance(each, ast.JoinedStr)]
+            quoted = {id(part) for each in texts for part in ast.walk(each)}
             for statement in function.body:
                 for node in ast.walk(statement):
                     text = None if id(node) in quoted else change(node)

@@ -105,9 +105,8 @@ def main() -> None:
     report_certainty(share[own], right[own])
     surest = share[some, :-1].argmax(axis=1)
     hit = np.take_along_axis(right[some], surest[:, None], axis=1)[:, 0]
-    wrong = Counter(
-        (kind, names[one]) for kind, one, good in zip(seen.kind[some], surest, hit, strict=True) if not good
-    )
+    told = zip(seen.kind[some], surest, hit, strict=True)
+    wrong = Counter((kind, names[one]) for kind, one, good in told if not good)
     print(", ".join(f"{kind} as {name} {count}" for (kind, name), count in wrong.most_common(12)))
 
 

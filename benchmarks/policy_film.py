@@ -58,9 +58,8 @@ def roll_out(policy: LoadedPolicy, task: str, joint: str, room: GeneratedRoom, s
 def find_success(given: argparse.Namespace, folder: Path, cache: Path) -> Recording:
     """The first success of `TRIALS` rollouts on the object of the scene, which must be of the test split."""
     plan = read_json(TaskAssets, given.results / f"experiment/default/{given.target}/assets.json")
-    room = read_room(
-        folder / f"scene_{given.rank}.json", plan.object, given.results / "assets/library/library.json", cache
-    )
+    library = given.results / "assets/library/library.json"
+    room = read_room(folder / f"scene_{given.rank}.json", plan.object, library, cache)
     room, name = replace(room, look=read_json(Look, folder / "look.json")), room.target.asset.id
     asset = next((asset for asset in plan.test_assets if asset.asset == name), None)
     if asset is None:

@@ -88,9 +88,8 @@ def find_alone(folder: Path, focal: float | None, sure: float) -> FoundRoom:
     drawn = draw_picture(folder.name, read_rgb(folder / "rgb.png"), focal, DrawOptions(sure=sure))
     shown = np.where(np.isin(drawn.masks, list(drawn.room.boxes)), drawn.masks, 0).astype(np.uint16)
     numbers = [thing.number for thing in read(folder).things if thing.named]
-    return FoundRoom(
-        drawn.room, drawn.masks, drawn.labels, pair_pieces(numbers, overlaps(read_masks(folder), shown)[0])
-    )
+    pairs = pair_pieces(numbers, overlaps(read_masks(folder), shown)[0])
+    return FoundRoom(drawn.room, drawn.masks, drawn.labels, pairs)
 
 
 def measure(

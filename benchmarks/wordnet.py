@@ -15,12 +15,8 @@ from roomkin.stages.matching.text_encoders.lexical import KNOWN, MEANINGS_FILE, 
 
 # Categories and words of lexical.py, each with words of WordNet for it; `bowl#3`: its third sense, not its first as an
 # artefact.
-HEADS = {
-    head: words
-    for head, *words in map(
-        str.split, Path(__file__).with_name("wordnet_heads.txt").read_text(encoding="utf-8").splitlines()
-    )
-}
+LINES = Path(__file__).with_name("wordnet_heads.txt").read_text(encoding="utf-8").splitlines()
+HEADS = {head: words for head, *words in map(str.split, LINES)}
 KINDS = ("dish",)  # of these a kind of things
 FILES = (6, 10)  # noun.artifact, noun.communication
 MIN_LETTERS = 3  # letters of a word

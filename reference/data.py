@@ -21,17 +21,8 @@ ARROW = re.compile(r"(\d+) -> (\d+)")
 
 def plan(root: Path) -> nx.DiGraph:
     """Rules, an edge from A to B where B reads a file of A; `files` are the names of what a rule writes."""
-    command = [
-        sys.executable,
-        "-m",
-        "snakemake",
-        "--cores",
-        "1",
-        "--snakefile",
-        str(root / "Snakefile"),
-        "--filegraph",
-        "all",
-    ]
+    snakefile = str(root / "Snakefile")
+    command = [sys.executable, "-m", "snakemake", "--cores", "1", "--snakefile", snakefile, "--filegraph", "all"]
     with TemporaryDirectory() as folder:  # without results: what has run already changes nothing
         dot = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
     names, graph = {}, nx.DiGraph()

@@ -28,11 +28,7 @@ def soil(mask: Mask, owner: NDArray[np.uint8], rng: Rng) -> Mask:
 
 
 def share_owner(mask: Mask, wholes: Mapping[int, list[Mask]]) -> tuple[int, float]:
-    """The thing with which a mask has the largest intersection over union, and that; 0: there is none.
-
-    Args:
-        wholes: masks that show a thing: it alone, it with what it carries.
-    """
+    """The thing with which a mask has the largest IoU, by the masks in `wholes` that show it, and that; 0: none."""
     found = [
         (float((mask & whole).sum() / max(1, (mask | whole).sum())), number)
         for number, some in wholes.items()

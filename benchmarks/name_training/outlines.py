@@ -24,11 +24,7 @@ from roomkin.stages.perception.segmentation.ssd import ONE_THING, find_boxes, ov
 
 EXACT, FAULTY, OWN = range(3)  # outlines: of the truth, with faults, as the pipeline finds them
 NONE = "other"
-MIN_PIXELS, PATCHES, DOUBTED = (
-    60,
-    4,
-    8,
-)  # of an outline; of walls and floor, and proposals not chosen, a picture; chosen
+MIN_PIXELS, PATCHES, DOUBTED = 60, 4, 8  # of an outline; of walls and floor, and proposals left, a picture; chosen
 
 
 class TrainingOutlines(NamedTuple):

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.name_training.rooms import FLOOR, MadeRoom, triangles
 from benchmarks.name_training.solids import Array, Rng, cast_rays, cast_scene
+from benchmarks.open_rooms.sensor import find_shadow
 from roomkin.stages.config.inputs import DepthNoiseConfig
 from roomkin.stages.extraction.noise import noisy_depth, smooth_field
 from roomkin.stages.geometry.frames import back_project, look_at, make_intrinsics, make_transform, transform_points
@@ -110,17 +111,10 @@ def sense_depth(picture: TrainingPicture, rng: Rng) -> Array:
     depth = noisy_depth(picture.depth.astype(np.float32), noise, rng).astype(float)
     lost = (depth < rng.uniform(0.2, 0.5)) | (depth > rng.choice([4.5, 8.0, 20.0]))
     lost |= picture.cosine < rng.uniform(0.0, 0.3)
-    lost |= _shadow(picture.depth, rng.uniform(0.0, 10.0))
+    lost |= find_shadow(picture.depth, rng.uniform(0.0, 10.0))
     lost |= smooth_field((depth.shape[0], depth.shape[1]), rng.uniform(4, 24), rng) > rng.uniform(1.2, 4.0)  # glossy
     lost |= rng.random(depth.shape) < rng.choice([0.0, 0.002, 0.02])
     return np.where(lost, 0.0, depth)
-
-
-def _shadow(depth: Array, pixels: float) -> NDArray[np.bool_]:
-    """Where the second eye sees what is nearer: a band beside every step, as wide as the step in 1 / depth."""
-    inverse = np.where(depth > 0, 1 / np.maximum(depth, 1e-3), 0.0)
-    lands = np.arange(depth.shape[1]) + pixels * inverse
-    return np.asarray(lands < np.maximum.accumulate(lands, axis=1) - 0.5)
 
 
 def tilt_frame(frame: Array, rng: Rng) -> Array:

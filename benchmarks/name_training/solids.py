@@ -189,16 +189,9 @@ def _joined(rng: Rng) -> list[Part]:
 
 
 JUNK: dict[str, Callable[[Rng], list[Part]]] = {
-    "office_chair": _office_chair,
-    "a_door": _door,
-    "a_window": _window,
-    "pipes": _pipes,
-    "a_tank": _tank,
-    "stairs": _stairs,
-    "a_body": _body,
-    "a_scaffold": _scaffold,
-    "a_joint": _joined,
-}
+    "office_chair": _office_chair, "a_door": _door, "a_window": _window, "pipes": _pipes, "a_tank": _tank,
+    "stairs": _stairs, "a_body": _body, "a_scaffold": _scaffold, "a_joint": _joined,
+}  # fmt: skip
 
 
 ON_WALLS = {"a_door", "a_window"}

@@ -141,19 +141,13 @@ def plan_steps(
         correction = Correction.model_validate({"mask": main, **said}) if said else None
         mask = "joined" if others else "found"
         steps.append(Step(thing.number, thing.kind, mask, how, main, effort, by_hand, correction))
-    strays = sorted((placed & set(items)) - used)
-    gone = [Correction(mask=value, gone=True) for value in strays]
+    gone = [Correction(mask=value, gone=True) for value in sorted((placed & set(items)) - used)]
     return steps + [Step(0, "", "deleted", "", one.mask, Effort(DELETE), Effort(), one) for one in gone]
 
 
 @cache
 def plan_corrections(root: Path, folder: Path) -> list[Step]:
-    """The steps of a picture that `run` has reconstructed unaided; if that stopped, all is drawn.
-
-    Args:
-        root: folder of `render` and `run`.
-        folder: of the picture.
-    """
+    """The steps of a picture that `run` has reconstructed unaided; if that stopped, all is drawn."""
     made = root / "results" / "unaided" / folder.name
     exact = pictures.read_masks(folder)
     things = [thing for thing in pictures.read(folder).things if thing.named]
@@ -181,16 +175,9 @@ def list_steps(root: Path, folder: Path) -> list[dict[str, Any]]:
     picture = pictures.read(folder)
     return [
         {
-            "half": picture.half,
-            "picture": picture.name,
-            "number": step.number,
-            "kind": step.kind,
-            "mask": step.mask,
-            "name": step.name,
-            "clicks": step.unaided.clicks,
-            "words": step.unaided.words,
-            "clicks_by_hand": step.by_hand.clicks,
-            "words_by_hand": step.by_hand.words,
+            "half": picture.half, "picture": picture.name, "number": step.number, "kind": step.kind, "mask": step.mask,
+            "name": step.name, "clicks": step.unaided.clicks, "words": step.unaided.words,
+            "clicks_by_hand": step.by_hand.clicks, "words_by_hand": step.by_hand.words,
         }
         for step in plan_corrections(root, folder)
-    ]
+    ]  # fmt: skip

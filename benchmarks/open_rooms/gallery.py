@@ -20,13 +20,7 @@ OFF = {"place": "from its place", "width": "in width", "depth": "in depth", "hei
 
 
 def gallery(root: Path, results: Path, out: Path) -> None:
-    """Write gallery.md beside the pictures ../images/gallery_*.webp.
-
-    Args:
-        root: folder of `render` and `run`.
-        results: folder with the library.
-        out: folder with open.csv.xz, as docs/results.
-    """
+    """Write gallery.md and ../images/gallery_*.webp beside the open.csv.xz in `out`; `root`: of `render` and `run`."""
     rows = pd.read_csv(out / "open.csv.xz", low_memory=False)
     rows = rows[(rows["half"] == HALF) & (rows["rank"] == 1) & (rows["judge"] == "geometry")]
     parts = []

@@ -58,8 +58,7 @@ def _make(root: Path, folder: Path, half: str, models: list[packs.PackModel], sa
     else:
         room = rooms.furnish(kind, models, views.top_of, rng)
     device = sensor.DEVICES[int(rng.integers(len(sensor.DEVICES)))]
-    roll = rng.normal(0, np.deg2rad(2.5)) if device.handheld else 0.0
-    pose = views.look_at(room.eye, room.look, roll)
+    pose = views.look_at(room.eye, room.look, rng.normal(0, np.deg2rad(2.5)) if device.handheld else 0.0)
     caster = views.Caster(views.surfaces(room))
     seen, owner = views.cast_view(caster, pose, device.focal)
     things = _truth(room, caster, owner, pose, device.focal, rng)
@@ -72,26 +71,14 @@ def _make(root: Path, folder: Path, half: str, models: list[packs.PackModel], sa
         _write(folder / f"depth_{other.name}.png", np.rint(1000 * measured).astype(np.uint16))
     k = views.intrinsics(device.focal)
     camera = {
-        "width": views.WIDTH,
-        "height": views.HEIGHT_PX,
-        "fx": k[0, 0],
-        "fy": k[1, 1],
-        "cx": k[0, 2],
-        "cy": k[1, 2],
-    }
+        "width": views.WIDTH, "height": views.HEIGHT_PX, "fx": k[0, 0], "fy": k[1, 1], "cx": k[0, 2], "cy": k[1, 2],
+    }  # fmt: skip
     (folder / "intrinsics.json").write_text(json.dumps(camera, indent=1))
     joined = _write_masks(folder, owner, things, rng)
     truth = PictureTruth(
-        name,
-        half,
-        kind,
-        device.name,
-        device.focal,
-        room.size,
-        pose.tolist(),
-        things,
+        name, half, kind, device.name, device.focal, room.size, pose.tolist(), things,
         {str(a): b for a, b in joined.items()},
-    )
+    )  # fmt: skip
     picture = photograph(room, half, root / "packs", pose, device.focal, samples, seed)
     _write(folder / "rgb.png", np.array(picture)[..., ::-1])
     with write_atomically(folder / "room.json") as path:
@@ -125,26 +112,13 @@ def _truth(
         x, y, z = thing.box.center
         found.append(
             TrueThing(
-                number,
-                thing.name,
-                model.id,
-                model.pack,
-                model.kind,
-                labels[model.id],
-                model.doors,
-                model.drawers,
-                model.symmetry,
-                (float(x), float(y), float(z)),
-                model.size,
-                thing.yaw,
-                numbers.get(thing.support, thing.support),
-                thing.wall,
-                int(mine.sum()),
-                round(share, 3),
+                number, thing.name, model.id, model.pack, model.kind, labels[model.id], model.doors, model.drawers,
+                model.symmetry, (float(x), float(y), float(z)), model.size, thing.yaw,
+                numbers.get(thing.support, thing.support), thing.wall, int(mine.sum()), round(share, 3),
                 bool(mine[0].any() or mine[-1].any() or mine[:, 0].any() or mine[:, -1].any()),
                 bool(names) and int(mine.sum()) >= MIN_PIXELS and share >= MIN_SEEN,
             )
-        )
+        )  # fmt: skip
     return found
 
 

@@ -66,16 +66,14 @@ class OpenRoom:
     things: list[PlacedModel] = field(default_factory=list)
 
 
-Top = Callable[
-    [PlacedModel, NDArray[np.float64]], NDArray[np.float64]
-]  # height of a thing's surface at points; NaN: none
+# Height of a thing's surface at points; NaN: none.
+Top = Callable[[PlacedModel, NDArray[np.float64]], NDArray[np.float64]]
 
 
 @cache
 def plans() -> dict[str, dict[str, Any]]:
     """rooms.yaml."""
-    text = (Path(__file__).parent / "rooms.yaml").read_text()
-    return dict(yaml.safe_load(text))
+    return dict(yaml.safe_load((Path(__file__).parent / "rooms.yaml").read_text()))
 
 
 def names(half: str, learning: int = 0) -> list[str]:
@@ -116,14 +114,7 @@ def mirror_plan(plan: dict[str, Any]) -> dict[str, Any]:
 def furnish(
     kind: str, models: Sequence[ModelSize], top: Top, rng: np.random.Generator, plan: Mapping[str, Any] | None = None
 ) -> OpenRoom:
-    """One room of a kind.
-
-    Args:
-        kind: of rooms.yaml, if no plan is given.
-        models: to draw from.
-        top: what things can stand on.
-        rng: decides on models, places and camera.
-    """
+    """One room of a kind, or by a plan; `rng` decides on models, places and camera."""
     plan = dict(plan or plans()[kind])
     if rng.random() < 0.5:
         plan = mirror_plan(plan)
@@ -199,9 +190,8 @@ def _place_model(
         x, y = np.array(start) + np.array(inward) * (gap + depth / 2)
         height = spot["bottom"] if how == "hang" else 0.0
         turned = float(np.arctan2(inward[1], inward[0]))
-        return PlacedModel(
-            name, model, (float(x), float(y), height), turned, "wall" if how == "hang" else "floor", wall
-        )
+        support = "wall" if how == "hang" else "floor"
+        return PlacedModel(name, model, (float(x), float(y), height), turned, support, wall)
     if how == "xy":
         x, y = np.array(spot["xy"]) + rng.uniform(-1, 1, 2) * NUDGED
         return PlacedModel(name, model, (float(x), float(y), 0.0), wrap_angle(float(yaw)), "floor")

@@ -51,12 +51,8 @@ def shelves(results: Path, config: Config) -> Shelves:
     models = list((results / "assets/library").glob("shard_*.zip"))
     if not models or {len(features), len(snapshots)} != {len(models)}:
         wanted = " ".join(f"{results}/matching/features/{store}/shard_{shard}.npy" for shard in range(len(models)))
-        raise InputError(
-            results,
-            "has no library with features of all its models.",
-            f"snakemake --cores 2 {wanted}",
-            code="E-FEATURES-MISSING",
-        )
+        what = "has no library with features of all its models."
+        raise InputError(results, what, f"snakemake --cores 2 {wanted}", code="E-FEATURES-MISSING")
     return Shelves(results / "assets/library/library.json", tuple(features), tuple(snapshots))
 
 
@@ -102,8 +98,7 @@ def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], con
     scene = folder.name.replace("-", "_")
     if not objects.is_file():
         with log_stage(out / "extraction.log"):
-            corrections = _make_input(root, folder, kind, entry)
-            extract_objects(entry, scene, objects, config, corrections)
+            extract_objects(entry, scene, objects, config, _make_input(root, folder, kind, entry))
     for row in rows:
         ranks = {} if row == "geometry" and kind in BY_HAND else ONE_RANK  # the others are there to be compared with
         place_cousins(entry, objects, out, row, config, shelf, ranks)

@@ -226,14 +226,7 @@ def _measure_thing(
 
 
 def score(root: Path, results: Path, out: Path, version: str) -> None:
-    """Write open.csv.xz (a row per object and rank), clicks.csv, open_sizes.svg, open.md.
-
-    Args:
-        root: folder of `render` and `run`.
-        results: folder with the library.
-        out: folder of the files.
-        version: commit of the code that `run` ran.
-    """
+    """Write open.csv.xz (a row per object and rank), clicks.csv, open_sizes.svg, open.md; `version`: of the code."""
     from benchmarks.open_rooms.sureness import draw_sureness
     from benchmarks.open_rooms.tables import page
 
@@ -250,6 +243,9 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
             if masks == "unaided":
                 steps += [row for folder in tried for row in list_steps(root, folder)]
     table = pd.DataFrame(rows).assign(version=version)
+    if (out / "open.csv.xz").is_file():  # rows of a set that is no longer made stay
+        before = pd.read_csv(out / "open.csv.xz", low_memory=False)
+        table = pd.concat([table, before[~before["half"].isin(packs.HALVES)]], ignore_index=True)
     out.mkdir(parents=True, exist_ok=True)
     table.to_csv(out / "open.csv.xz", index=False)
     if steps:

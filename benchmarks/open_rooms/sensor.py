@@ -63,7 +63,7 @@ def sense_depth(seen: SensorView, device: Device, rng: np.random.Generator) -> F
     noisy = step * (1 + device.scale * rng.uniform(-1, 1)) + noise
     lost = (noisy < device.near) | (noisy > device.far) | ~known
     lost |= seen.cosine < device.grazing
-    lost |= _shadow(depth, device.shadow)
+    lost |= find_shadow(depth, device.shadow)
     lost |= (seen.surface == DARK) & (_patches(shape, 9, rng) < 0.45)
     lost |= (seen.surface == GLASS) & (_patches(shape, 4, rng) < 0.35)
     lost |= (seen.surface == MIRROR) & (_patches(shape, 14, rng) < 0.3)
@@ -100,7 +100,7 @@ def _blend_depth(depth: Floats, coarse: float) -> Floats:
     return np.asarray(cv2.resize(small, (width, height), interpolation=cv2.INTER_LINEAR))
 
 
-def _shadow(depth: Floats, pixels: float) -> NDArray[np.bool_]:
+def find_shadow(depth: Floats, pixels: float) -> NDArray[np.bool_]:
     """Where the second eye sees what is nearer: a band to the right of every step, as wide as the step in 1 / depth."""
     if pixels <= 0:
         return np.zeros(depth.shape, dtype=bool)

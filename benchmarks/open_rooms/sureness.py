@@ -19,9 +19,8 @@ def bin_sureness(rows: pd.DataFrame) -> pd.DataFrame:
     """By fifths of `sure_of_size`: its mean, the share of sizes that are right, the number of things."""
     known = rows.dropna(subset=["sure_of_size"])
     fifth = pd.cut(known["sure_of_size"], BINS, include_lowest=True)
-    found = known.groupby(fifth, observed=True).agg(
-        sure=("sure_of_size", "mean"), right=("size", "mean"), things=("size", "size")
-    )
+    groups = known.groupby(fifth, observed=True)
+    found = groups.agg(sure=("sure_of_size", "mean"), right=("size", "mean"), things=("size", "size"))
     return found.reset_index(drop=True).astype({"right": float})
 
 

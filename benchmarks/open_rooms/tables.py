@@ -67,9 +67,8 @@ def _faults(rows: pd.DataFrame) -> list[str]:
 def compare_with_no_image(rows: pd.DataFrame, judge: str) -> str:
     """Chamfer distance of `no-image` less that of a judge, rank 1, over objects that both placed; in thousandths."""
     first = rows[rows["rank"] == 1]
-    ours, theirs = pair_sides(
-        *(side_of_things(first[first["judge"] == name], "chamfer") for name in ("no-image", judge))
-    )
+    both = (first[first["judge"] == name] for name in ("no-image", judge))
+    ours, theirs = pair_sides(*(side_of_things(one, "chamfer") for one in both))
     if ours.empty:
         return ""
     ((a, b),) = resample_rates([[ours, theirs]], OPTIONS)
@@ -80,12 +79,7 @@ def compare_with_no_image(rows: pd.DataFrame, judge: str) -> str:
 def group_by_view(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """All things, those that the border cuts, those of which others hide more than half, and the whole ones."""
     hidden = ~rows["cut"] & (rows["seen"] < WHOLE)
-    return {
-        "all": rows,
-        "cut": rows[rows["cut"]],
-        "hidden": rows[hidden],
-        "whole": rows[~rows["cut"] & ~hidden],
-    }
+    return {"all": rows, "cut": rows[rows["cut"]], "hidden": rows[hidden], "whole": rows[~rows["cut"] & ~hidden]}
 
 
 def summarise(rows: pd.DataFrame) -> str:
@@ -127,19 +121,13 @@ def _describe_half(rows: pd.DataFrame) -> Iterator[str]:
         ["masks", "chosen by", "things", "pictures", "objects", "placed", *MEASURES, "Chamfer, thousandths"],
         (
             [
-                masks,
-                judge,
-                about,
-                str(group["picture"].nunique()),
-                str(len(group)),
-                str(int((group["status"] == "ok").sum())),
-                *_measures(group),
-                f"{1000 * group['chamfer'].mean():.1f}",
+                masks, judge, about, str(group["picture"].nunique()), str(len(group)),
+                str(int((group["status"] == "ok").sum())), *_measures(group), f"{1000 * group['chamfer'].mean():.1f}",
             ]
             for masks, judge, about, group in groups
             if len(group)
         ),
-    )
+    )  # fmt: skip
     main = rows[(rows["masks"] == "drawn") & (rows["judge"] == "geometry")]
     yield "By rank (drawn masks, `geometry`):\n"
     yield table(
@@ -218,12 +206,7 @@ def _describe_clicks(steps: pd.DataFrame) -> Iterator[str]:
 
 
 def page(rows: pd.DataFrame, steps: pd.DataFrame) -> str:
-    """The page.
-
-    Args:
-        rows: of open.csv.xz.
-        steps: of clicks.csv; may be empty.
-    """
+    """The page, of open.csv.xz and clicks.csv, which may be empty."""
     numbers = [name for name in rows if name.startswith("off_")] + ["yaw_degrees"]
     rows = rows.assign(**{name: pd.to_numeric(rows[name]) for name in numbers})
     rows = rows.assign(facing=(rows["yaw_degrees"] <= FACING).where(rows["yaw"].notna()))  # wrong of what is missing
@@ -238,10 +221,7 @@ def page(rows: pd.DataFrame, steps: pd.DataFrame) -> str:
     for half, about in HALVES.items():
         mine = rows[rows["half"] == half]
         if len(mine):
-            parts += [
-                f"## {half} ({about})\n",
-                *_describe_half(mine),
-            ]
+            parts += [f"## {half} ({about})\n", *_describe_half(mine)]
         if len(steps) and (corrected := steps[steps["half"] == half]).size:
             parts += _describe_clicks(corrected)
     return "\n".join(parts)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.open_rooms.packs import PackModel, PaintedMesh
 from benchmarks.open_rooms.rooms import HEIGHT, WALLS, OpenRoom, PlacedModel
 from benchmarks.open_rooms.sensor import DARK, GLASS, MATT, MIRROR, Floats, SensorView
+from roomkin.stages.geometry import frames
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 WIDTH, HEIGHT_PX = 640, 480
@@ -31,13 +32,7 @@ class PlacedMesh:
 
 def look_at(eye: Sequence[float], look: Sequence[float], roll: float = 0.0) -> NDArray[np.float64]:
     """world_from_camera (4, 4) of a camera, x right, y down, z forward; `roll` radians clockwise."""
-    forward = np.subtract(look, eye)
-    forward /= np.linalg.norm(forward)
-    right = np.cross(forward, [0.0, 0.0, 1.0])
-    right /= np.linalg.norm(right)
-    down = np.cross(forward, right)
-    turn = np.array([[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]])
-    return make_transform(np.column_stack([right, down, forward]) @ turn, eye)
+    return frames.look_at(eye, look) @ make_transform(yaw_matrix(roll), np.zeros(3))
 
 
 def intrinsics(focal: float) -> NDArray[np.float64]:
@@ -175,8 +170,7 @@ def cast_view(caster: Caster, pose: Floats, focal: float) -> tuple[SensorView, N
     origins = np.broadcast_to(pose[:3, 3], directions.shape)
     depth, which, normal = caster.hits(origins, directions)
     kinds = np.array([*(surface.kind for surface in caster.surfaces), MATT])
-    owners = np.array([*(surface.owner for surface in caster.surfaces), 0])
-    surface, owner = kinds[which], owners[which]
+    surface, owner = kinds[which], np.array([*(surface.owner for surface in caster.surfaces), 0])[which]
     unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     cosine = np.abs((unit * normal).sum(axis=1))
     beyond = depth.copy()
@@ -189,11 +183,8 @@ def cast_view(caster: Caster, pose: Floats, focal: float) -> tuple[SensorView, N
             onward = onward - 2 * (onward * normal[at]).sum(axis=1, keepdims=True) * normal[at]
         start = origins[at] + directions[at] * depth[at, None] + OFF * onward
         beyond[at] = depth[at] + caster.hits(start, onward)[0]
-    shape = (HEIGHT_PX, WIDTH)
-    found = SensorView(
-        depth.reshape(shape), cosine.reshape(shape), beyond.reshape(shape), surface.reshape(shape).astype(np.uint8)
-    )
-    return found, owner.reshape(shape).astype(np.uint16)
+    seen = (each.reshape(HEIGHT_PX, WIDTH) for each in (depth, cosine, beyond, surface.astype(np.uint8)))
+    return SensorView(*seen), owner.reshape(HEIGHT_PX, WIDTH).astype(np.uint16)
 
 
 def top_of(thing: PlacedModel, points: Floats) -> Floats:

@@ -161,9 +161,8 @@ def _sides(rollouts: pd.DataFrame, ours: str, theirs: str) -> tuple[Sides, Sides
     sides: tuple[Sides, Sides] = ({}, {})
     for name, which in rows.items():
         found = rollouts[which]
-        pair = intervals.pair_sides(
-            *(intervals.side_of(found[found["training_set"] == side]) for side in (ours, theirs))
-        )
+        both = (found[found["training_set"] == side] for side in (ours, theirs))
+        pair = intervals.pair_sides(*map(intervals.side_of, both))
         if not pair[0].empty:
             sides[0][name], sides[1][name] = pair
     return sides
@@ -231,10 +230,6 @@ def stability(table: pd.DataFrame, published: pd.DataFrame) -> pd.DataFrame:
 
     A run is judged by its success on the very assets it was trained on, or on the twin if those were not tested (so
     the paper's).
-
-    Args:
-        table: as `table3.build` gives.
-        published: success of the paper's runs beside ours.
     """
     paper, rows = published_cells(published), []
     ran = table[table["status"] == "run"]

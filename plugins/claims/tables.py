@@ -60,9 +60,8 @@ def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]
     about += count(first["places"], "initial state")
     about += f", {CLOUDS['object']}" * (first["cloud"] == "object")
     group = cell(f"{target_title(first['target'], first['task'])}, {title(first['test_asset'])}", about)
-    policies = [
-        (kinds.get(name, name), line) for (name,), line in _lines(table[table["training_set"] != SKILL], ["policy"])
-    ]
+    lines = _lines(table[table["training_set"] != SKILL], ["policy"])
+    policies = [(kinds.get(name, name), line) for (name,), line in lines]
     rows = [_side_by_side([group, name], line, sets, _rate) for name, line in policies]
     for versus, what in MINUS.items():
         minus = what.format(own=kinds.get(first["policy"], first["policy"]))
@@ -186,25 +185,18 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> TextTable:
         rows=rows,
         headers=2,
         notes=read_notes(
-            "claims",
-            PACKAGE,
-            confidence=format_confidence(options),
-            options=options,
-            not_worse=NOT_WORSE,
-            min_runs=MIN_RUNS,
-            min_spread_runs=MIN_SPREAD_RUNS,
-            power=power,
+            "claims", PACKAGE, confidence=format_confidence(options), options=options, not_worse=NOT_WORSE,
+            min_runs=MIN_RUNS, min_spread_runs=MIN_SPREAD_RUNS, power=power,
         ),
-    )
+    )  # fmt: skip
 
 
 def stability_table(table: pd.DataFrame) -> TextTable:
     """How many runs collapsed and how runs differ; `table` as `claims.stability` gives."""
     rows = []
     for row in records(table):
-        ours, theirs = (
-            f"± {100 * row[name]:.0f} points" if pd.notna(row[name]) else "" for name in ("spread", "published_spread")
-        )
+        spreads = (row["spread"], row["published_spread"])
+        ours, theirs = (f"± {100 * one:.0f} points" if pd.notna(one) else "" for one in spreads)
         collapsed = f"{row['collapsed']} of {row['runs']}" if pd.notna(row["collapsed"]) else NOT_RUN
         known = pd.notna(row["published_runs"])
         paper = f"{row['published_collapsed']} of {row['published_runs']}" if known else ""

@@ -131,14 +131,10 @@ def trainings_table(table: pd.DataFrame) -> TextTable:
         ],
         headers=3,
         notes=read_notes(
-            "trainings",
-            "roomkin.plugins.claims",
-            late=trained.LATE,
-            part=PART,
-            far=f"{FAR:g}",
+            "trainings", "roomkin.plugins.claims", late=trained.LATE, part=PART, far=f"{FAR:g}",
             min_spread_runs=MIN_SPREAD_RUNS,
         ),
-    )
+    )  # fmt: skip
 
 
 def run(*, out: Path, policies: tuple[Path, ...] = ()) -> None:

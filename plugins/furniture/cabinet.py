@@ -49,10 +49,8 @@ def panel_parts(front: PanelPlace, style: str, color: Surface, second: Surface, 
         return [edge, part(box((back, x1), (y0 + wide, y1 - wide), (z0 + wide, z1 - wide)), second, density)]
     count = max(2, round(front.width / 0.09))
     pitch, groove = front.width / count, 0.006
-    planks = [
-        box((back, x1), (y0 + k * pitch + groove / 2, y0 + (k + 1) * pitch - groove / 2), front.z) for k in range(count)
-    ]
-    return [core, *[part(mesh, color, density) for mesh in planks]]
+    spans = [(y0 + k * pitch + groove / 2, y0 + (k + 1) * pitch - groove / 2) for k in range(count)]
+    return [core, *[part(box((back, x1), span, front.z), color, density) for span in spans]]
 
 
 def make_pulled_panel(

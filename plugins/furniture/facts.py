@@ -48,19 +48,11 @@ def describe_category(record: Category) -> CategoryFacts:
 
     return CategoryFacts.model_validate(
         {
-            "name": record.name,
-            "names": _split(record.names),
-            "like": _split(record.like),
-            "kin": _split(record.kin),
-            "places": _split(record.places),
-            "carries": record.carries,
-            "doors": doors,
-            "flaps": flaps,
-            "sizes": sizes(range(SAMPLES)),
-            "further": sizes(record.further),
-            "real": REAL_SIZES.get(record.name, ()),
+            "name": record.name, "names": _split(record.names), "like": _split(record.like), "kin": _split(record.kin),
+            "places": _split(record.places), "carries": record.carries, "doors": doors, "flaps": flaps,
+            "sizes": sizes(range(SAMPLES)), "further": sizes(record.further), "real": REAL_SIZES.get(record.name, ()),
         }
-    )
+    )  # fmt: skip
 
 
 def _split(words: str) -> list[str]:

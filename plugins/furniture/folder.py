@@ -57,18 +57,10 @@ def _visual(part: Part, origin: Matrix, number: int) -> Visual:
 def _joint(moving: Moving) -> JointModel:
     """The joint of a moving part; a handle that sticks out is part of the moving link."""
     return JointModel(
-        name=f"{moving.name}_joint",
-        type=PARTS[moving.part_type].joint,
-        parent=BASE,
-        child=moving.name,
-        origin=make_transform(np.eye(3), moving.origin),
-        axis=np.array(moving.axis),
-        lower=0.0,
-        upper=moving.upper,
-        part_type=moving.part_type,
-        handle_link=moving.name if moving.handle else None,
-        handle=moving.handle,
-    )
+        name=f"{moving.name}_joint", type=PARTS[moving.part_type].joint, parent=BASE, child=moving.name,
+        origin=make_transform(np.eye(3), moving.origin), axis=np.array(moving.axis), lower=0.0, upper=moving.upper,
+        part_type=moving.part_type, handle_link=moving.name if moving.handle else None, handle=moving.handle,
+    )  # fmt: skip
 
 
 def _shift_mesh(mesh: Trimesh, origin: Matrix) -> Trimesh:

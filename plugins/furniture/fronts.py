@@ -83,10 +83,9 @@ def _edge(length: float, out: float, color: Surface) -> list[Part]:
 
 
 def _knob(length: float, out: float, color: Surface) -> list[Part]:
-    head = lathe(
-        [(0, out * 0.45), (0.009, out * 0.45), (0.015, out * 0.68), (0.015, out * 0.82), (0.010, out), (0, out)], 16
-    )
-    meshes = [rod((-0.004, 0, 0), (out * 0.5, 0, 0), 0.0065), rotate(head, np.pi / 2, [0, 1, 0])]
+    low, side = (0.009, out * 0.45), [(0.015, out * 0.68), (0.015, out * 0.82), (0.010, out)]
+    head = rotate(lathe([(0, low[1]), low, *side, (0, out)], 16), np.pi / 2, [0, 1, 0])
+    meshes = [rod((-0.004, 0, 0), (out * 0.5, 0, 0), 0.0065), head]
     return [part(mesh, color, METAL, smooth=True) for mesh in meshes]
 
 

@@ -30,9 +30,8 @@ def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed
         raise InputError("assets.counts", f"no category '{unknown[0]}'.", names, code="E-CATEGORY-UNKNOWN")
     wanted = [(category, k) for category, count in sorted(config.counts.items()) for k in range(count)]
     if not wanted:
-        raise InputError(
-            "assets", "the library would be empty.", "set assets.counts or assets.folders", code="E-LIBRARY-EMPTY"
-        )
+        what = "the library would be empty."
+        raise InputError("assets", what, "set assets.counts or assets.folders", code="E-LIBRARY-EMPTY")
     if not 0 <= shard < shards:
         raise InputError("--shard", f"{shard} is not below --shards {shards}.", code="E-SHARD-NUMBER")
     with TemporaryDirectory(prefix="acdc-library-") as folder:
@@ -45,5 +44,4 @@ def make(category: str, index: int, seed: int, folder: Path, variations: bool = 
     """Build the `index`-th procedural model of a category; without `variations` it is a template."""
     recipe = sample(category, index, seed, variations)
     name = model_name(category, index)
-    provenance = f"procedural: {recipe.generator}, seed {seed}"
-    return build(recipe, None, folder / name, name, category, provenance)
+    return build(recipe, None, folder / name, name, category, f"procedural: {recipe.generator}, seed {seed}")

@@ -21,9 +21,8 @@ def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) 
 
 def slab(center: ArrayLike, size: ArrayLike) -> Trimesh:
     """Axis-aligned box by its center and extents."""
-    return Trimesh(
-        np.asarray(center, dtype=float) + CUBE.vertices * np.asarray(size, dtype=float), CUBE.faces, process=False
-    )
+    vertices = np.asarray(center, dtype=float) + CUBE.vertices * np.asarray(size, dtype=float)
+    return Trimesh(vertices, CUBE.faces, process=False)
 
 
 def hull(points: ArrayLike) -> Trimesh:
@@ -83,8 +82,7 @@ def shell_pieces(
     edges = 2 * np.pi * np.arange(pieces + 1) / pieces
     for (a, b), (c, d) in zip(itertools.pairwise(outer), itertools.pairwise(inner), strict=True):
         for angles in itertools.pairwise(edges):
-            points = [(r * np.cos(t), r * np.sin(t), z) for t in angles for r, z in (a, b, c, d)]
-            solids.append(hull(points))
+            solids.append(hull([(r * np.cos(t), r * np.sin(t), z) for t in angles for r, z in (a, b, c, d)]))
     return solids
 
 

@@ -55,10 +55,6 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Given]:
 
     Not models: MJCF that others include; meshes that a URDF, MJCF, SDF or USD file names, and others beside these;
     meshes that lie or are called as parts beside a model that is not read.
-
-    Args:
-        folder: of the user.
-        kinds: suffixes of model files, the most telling first.
     """
     found, lines = json.loads(run_in_fork(folder, lambda: json.dumps(_discover(folder, kinds), default=str)))
     for line in lines:
@@ -186,8 +182,7 @@ def _list_usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
 def _first_kind(place: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
     """The files of the first kind that occurs in a model's folder."""
     inside = [path for path in sorted(place.rglob("*")) if is_utf8(str(path)) and is_model(path, folder, kinds)]
-    groups = ([path for path in inside if path.suffix.lower() == kind] for kind in kinds)
-    return next(filter(None, groups), [])
+    return next(filter(None, ([path for path in inside if path.suffix.lower() == kind] for kind in kinds)), [])
 
 
 def _numbered_model(folder: Path) -> Path | None:
@@ -226,11 +221,7 @@ def _find_place(whole: Path, folder: Path) -> Path:
 
 def is_utf8(name: str) -> bool:
     """Whether the name of a file is text."""
-    try:
-        name.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
+    return name == name.encode(errors="replace").decode()
 
 
 def is_model(path: Path, folder: Path, kinds: Sequence[str]) -> bool:

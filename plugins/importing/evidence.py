@@ -248,9 +248,8 @@ def read_pack(path: Path) -> Pack:
         return Pack.model_validate(yaml.safe_load(read_text(path, "or delete it")) or {})
     except ValidationError as error:
         first = error.errors()[0]
-        raise InputError(
-            path, f"{'.'.join(map(str, first['loc']))}: {first['msg']}.", "or delete it", code="E-PACK-BROKEN"
-        ) from None
+        what = f"{'.'.join(map(str, first['loc']))}: {first['msg']}."
+        raise InputError(path, what, "or delete it", code="E-PACK-BROKEN") from None
     except yaml.YAMLError as error:
         where, what = line_of(path, error), f"is no YAML: {fault_of(error)}."
         raise InputError(where, what, "or delete it", code="E-PACK-BROKEN") from None
@@ -265,11 +264,7 @@ def complete_pack(pack: Pack, proposed: Mapping[str, Shared], categories: Iterab
 
 
 def write_pack(path: Path, pack: Pack, counts: Mapping[str, str]) -> None:
-    """Write the file.
-
-    Args:
-        counts: by suffix, how many models tell what.
-    """
+    """Write the file; `counts`: by suffix, how many models tell what."""
     lines = [HEAD + "kinds:"]
     for kind, shared in pack.kinds.items():
         lines += [f"  # {counts[kind]}"] if kind in counts else []

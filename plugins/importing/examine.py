@@ -5,6 +5,7 @@ import shutil
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -114,10 +115,9 @@ def examine_model(
     """
     kind = TypeAdapter(Examined)
     named = found if category is None else found._replace(category=category)
+    examine = partial(_examine_model, named, importer, place, work, tells, shared)
     try:
-        answer = run_in_fork(
-            found.path, lambda: kind.dump_json(_examine_model(named, importer, place, work, tells, shared)).decode()
-        )
+        answer = run_in_fork(found.path, lambda: kind.dump_json(examine()).decode())
     except InputError as error:
         return Examined(found.path, place, doubts=[explain(error, found.path)])
     model = kind.validate_json(answer)

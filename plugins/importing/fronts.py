@@ -22,9 +22,7 @@ from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 SHORTEST = PARTS["drawer"].motion[0]  # metres; and extents of the smallest front
 WIDEST = np.deg2rad(200)  # that a door turns: beyond it, nobody has set its limits
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
-BEHIND_FRONT = (
-    0.3  # of its parent's extent along a slide: what is as far behind the front of that when closed is no drawer
-)
+BEHIND_FRONT = 0.3  # of its parent's extent along a slide: what is as far behind its front when closed is no drawer
 
 
 class ClosedFront(NamedTuple):
@@ -40,10 +38,9 @@ def align_to_axes(robot: RobotModel) -> tuple[RobotModel, float]:
     A model stays as it is without joints, without a common direction of its faces, or if it is askew by less than
     `ASKEW`.
     """
-    shown = (
-        merge_visuals(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
-    )
-    if shown is None:
+    if all(joint.type == "fixed" for joint in robot.joints):
+        return robot, 0.0
+    if (shown := merge_visuals(robot, robot.links, link_frames(robot))) is None:
         return robot, 0.0
     normals = shown.face_normals[:, :2]
     weights = shown.area_faces * (np.hypot(*normals.T) > hinges.ALONG)

@@ -50,10 +50,8 @@ def find_hinges(robot: RobotModel) -> list[Hinge]:
     """The panels of a model that turn; knobs, wheels, levers and seats are none."""
     frames, box = link_frames(robot), measure_closed_box(robot)
     turns = [joint for joint in robot.joints if joint.type == "revolute" and joint.upper - joint.lower > MIN_TURN]
-    found = (
-        _hinge(joint, seen_points(robot, list_carried_links(joint, robot.joints), frames), frames, box)
-        for joint in turns
-    )
+    points = (seen_points(robot, list_carried_links(joint, robot.joints), frames) for joint in turns)
+    found = (_hinge(joint, seen, frames, box) for joint, seen in zip(turns, points, strict=True))
     return [hinge for hinge in found if hinge is not None]
 
 
@@ -131,9 +129,8 @@ def list_carried_links(joint: JointModel, joints: Iterable[JointModel]) -> list[
 
 def seen_points(robot: RobotModel, links: Iterable[str], frames: Mapping[str, Matrix]) -> Matrix:
     """Vertices (N, 3) of what is seen of some links, in the root frame."""
-    points = [
-        transform_points(frames[link], visual.mesh.vertices) for link in links for visual in robot.links[link].visuals
-    ]
+    seen = ((frames[link], visual.mesh.vertices) for link in links for visual in robot.links[link].visuals)
+    points = [transform_points(frame, vertices) for frame, vertices in seen]
     return np.concatenate(points) if points else np.zeros((0, 3))
 
 
@@ -193,10 +190,8 @@ def _find_open_end(robot: RobotModel, joint: JointModel, shut: Values) -> float:
 
 def _shut_at(joint: JointModel, value: float, end: float) -> JointModel:
     """The same joint, shut at 0, which was `value`, and open at what was `end`."""
-    span = end - value
-    return replace(
-        joint, origin=joint.origin @ joint.motion(value), axis=np.sign(span) * joint.axis, lower=0.0, upper=abs(span)
-    )
+    span, origin = end - value, joint.origin @ joint.motion(value)
+    return replace(joint, origin=origin, axis=np.sign(span) * joint.axis, lower=0.0, upper=abs(span))
 
 
 def _size(robot: RobotModel, values: Values, joint: JointModel) -> float:
@@ -247,11 +242,7 @@ def read_semantics(path: Path, folder: Path) -> set[str]:
 
 
 def explain_unpushable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str:
-    """Why a slide that is sprung or called a button is none that a task can push; empty: it is one.
-
-    Args:
-        frames: of the links in metres, everything closed.
-    """
+    """Why what is sprung or called a button is none that a task can push, in metres, all closed; empty: it is one."""
     moved = list_moved_links(joint, robot.joints)
     cap, rest = merge_visuals(robot, moved, frames), merge_visuals(robot, robot.links.keys() - set(moved), frames)
     least, most = PARTS["button"].motion

@@ -81,8 +81,7 @@ class Portraits:
         opened = np.array([seen.min(axis=0), seen.max(axis=0)])
         foot[0] = max(foot[0], opened[1, 0] + 0.1 * reach)
         tip = foot + np.array([[reach, -0.3 * reach, 0], [reach, 0.3 * reach, 0]])
-        shown = np.concatenate([trimesh.bounds.corners(opened), tip])
-        view = frame_all(shown, FROM, HEIGHT / WIDTH)
+        view = frame_all(np.concatenate([trimesh.bounds.corners(opened), tip]), FROM, HEIGHT / WIDTH)
         picture = Image.fromarray(self.camera.render(view).rgb)
         remove(self.scene, body)
         self._arrow(picture, view, foot, reach)
@@ -97,12 +96,7 @@ class Portraits:
 
 
 def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, counts: Mapping[str, str]) -> None:
-    """Write the page; the models in the order of their folders, those that are not used last.
-
-    Args:
-        pack: what they share, which the page lets its reader change and save.
-        counts: by suffix, how many models tell what.
-    """
+    """Write the page, which lets its reader change and save `pack`; models by folder, those that are not used last."""
     page = (
         environment("roomkin.plugins.importing")
         .get_template("import_page.html.jinja")
@@ -186,27 +180,18 @@ def run(folder: Path, /, *, out: Path | None = None) -> None:
     for line in describe_left_behind(out, set(where.values())):
         print(line)
     taken = sum(model.asset is not None for model in models.values())
-    print(
-        escape_control(
-            f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"
-        )
-    )
+    told = f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"
+    print(escape_control(told))
     if not taken:
         raise InputError(folder, "none of its models can be used.", "see above", code="E-MODELS-UNUSABLE")
 
 
 def describe_left_behind(out: Path, now: Collection[Path]) -> Iterator[str]:
-    """What lies in `out` of models that are no longer imported, and would be used: a line if there is any.
-
-    Args:
-        now: folders of the models of this import.
-    """
+    """What lies in `out` of models that are not among those of `now`, and would be used: a line if there is any."""
     old = sorted(path.parent for path in out.glob("*/*/asset.json") if path.parent not in now)
     if old:
-        names = ", ".join(path.relative_to(out).as_posix() for path in old)
-        yield escape_control(
-            f"{out}: still has models that are gone from the source, and they are used: delete {names}"
-        )
+        what = "still has models that are gone from the source, and they are used: delete"
+        yield escape_control(f"{out}: {what} {', '.join(path.relative_to(out).as_posix() for path in old)}")
 
 
 def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Given]:
@@ -217,21 +202,18 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Given]:
     """
     if given.is_file():
         if not is_model(given, given.resolve().parent, kinds):
-            raise InputError(
-                given, "is no model.", f"one of {', '.join(kinds)}, or a folder of them", code="E-MODELS-NONE"
-            )
+            what = "is no model."
+            raise InputError(given, what, f"one of {', '.join(kinds)}, or a folder of them", code="E-MODELS-NONE")
         if is_part(given, given.resolve().parent):
-            raise InputError(
-                given, "is a part that MJCF models include.", "give the file that includes it", code="E-MJCF-PART"
-            )
+            what = "is a part that MJCF models include."
+            raise InputError(given, what, "give the file that includes it", code="E-MJCF-PART")
         return [describe_single_file(given)]
     if not given.is_dir():
         raise InputError(given, "is not there.", "a folder of models, or a model's file", code="E-MODELS-NONE")
     inside, outside = sorted([given.resolve(), out.resolve()], key=lambda path: -len(path.parts))
     if inside.is_relative_to(outside):
-        raise InputError(
-            "--out", f"{out} and {given} lie in one another.", "give a folder beside it", code="E-OUT-INSIDE"
-        )
+        what = f"{out} and {given} lie in one another."
+        raise InputError("--out", what, "give a folder beside it", code="E-OUT-INSIDE")
     if found := discover(given, kinds):
         if left_out := describe_unread(given):
             print(escape_control(f"{given}: {left_out}"), file=sys.stderr)
@@ -242,9 +224,8 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Given]:
         mend = describe_unread(given) or "give the folder or the file of the model that they are part of"
         raise InputError(given, what, mend, code="E-MODELS-NONE")
     fix = "see docs/your-models.md for the layout"
-    raise InputError(
-        given, f"holds no models ({', '.join(kinds)}).", describe_unread(given) or fix, code="E-MODELS-NONE"
-    )
+    what = f"holds no models ({', '.join(kinds)})."
+    raise InputError(given, what, describe_unread(given) or fix, code="E-MODELS-NONE")
 
 
 def describe_unread(folder: Path) -> str:

@@ -88,12 +88,8 @@ def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Ite
             raise InputError("assets.folders", f"{folder} is not a folder.", code="E-MODELS-NONE")
         models = discover(folder, list(kinds))
         if not models:
-            raise InputError(
-                folder,
-                f"holds no model ({', '.join(kinds)}).",
-                "see docs/your-models.md for the layout",
-                code="E-MODELS-NONE",
-            )
+            mend = "see docs/your-models.md for the layout"
+            raise InputError(folder, f"holds no model ({', '.join(kinds)}).", mend, code="E-MODELS-NONE")
         found += models
     return dict(zip(number_names([_name(one, kinds) for one in found], taken), found, strict=True))
 
@@ -220,13 +216,11 @@ def check_believable(robot: RobotModel, path: Path) -> None:
     if extents.min() < THIN:
         raise InputError(path, f"is flat: its extents are {size} m.", "0.1 mm at least", code="E-MODEL-FLAT")
     if extents.max() > LARGEST:
-        raise InputError(
-            path, f"is {size} m large.", f"at most {LARGEST:g} m; see scale in asset.json", code="E-MODEL-SIZE"
-        )
+        mend = f"at most {LARGEST:g} m; see scale in asset.json"
+        raise InputError(path, f"is {size} m large.", mend, code="E-MODEL-SIZE")
     if np.abs(np.array([low, high])).max() > 5 * LARGEST:
-        raise InputError(
-            path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", "move it there", code="E-MODEL-SIZE"
-        )
+        mend = "move it there"
+        raise InputError(path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", mend, code="E-MODEL-SIZE")
 
 
 def turn_upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:

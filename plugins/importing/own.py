@@ -26,12 +26,8 @@ def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}"
     for name, _, file in (model.partition("=") for model in models):
         places = [place.absolute() for place in (folder / file, Path(file))]
         if not (here := [found[place] for place in places if place in found]):
-            raise InputError(
-                folder,
-                f"holds no model '{file}'.",
-                "each of --models is <id>=<file>, the file of a model below --folder",
-                code="E-MODELS-NONE",
-            )
+            mend = "each of --models is <id>=<file>, the file of a model below --folder"
+            raise InputError(folder, f"holds no model '{file}'.", mend, code="E-MODELS-NONE")
         wanted[name] = here[0]
     with TemporaryDirectory(prefix="acdc-own-") as made:
         _, left_out = import_models(wanted, kinds, Path(made))

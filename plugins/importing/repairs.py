@@ -35,9 +35,8 @@ def repair_inertias(robot: RobotModel) -> tuple[RobotModel, list[str]]:
         boards = {name: _boards(link) for name, link in moving.items()}
         given, expected = sum(link.mass for link in moving.values()), sum(boards.values())
         if given > HEAVY * expected:
-            lines.append(
-                f"what '{joint.name}' moves weighs {given:.3g} kg in its file: taken for boards, {expected:.2g} kg"
-            )
+            taken = f"in its file: taken for boards, {expected:.2g} kg"
+            lines.append(f"what '{joint.name}' moves weighs {given:.3g} kg {taken}")
             links |= {name: _set_mass(link, boards[name]) for name, link in moving.items()}
     impossible = [name for name, link in links.items() if _is_impossible(link)]
     for name in impossible:

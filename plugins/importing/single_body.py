@@ -11,10 +11,7 @@ from roomkin.stages.articulated.model import Link, Matrix, RobotModel, Visual
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.geometry.solids import MINIMUM_INERTIA, board_mass
 
-GROUND_HEIGHT, GROUND_AREA = (
-    0.1,
-    2.0,
-)  # a ground is lower than this share of its sides, and so much larger than the rest
+GROUND_HEIGHT, GROUND_AREA = 0.1, 2.0  # a ground is lower than this share of its sides, so much larger than the rest
 FLAT_SHARE = 1e-5  # of its largest extent: what is thinner, whichever way it lies, has no inside
 
 
@@ -57,22 +54,16 @@ def leave_out(robot: RobotModel, without: Sequence[str], path: Path) -> RobotMod
     known = set().union(*named)
     if unknown := [name for name in without if name not in known]:
         mend = f"name its nodes, {', '.join(sorted(known))}"[:300]
-        raise InputError(
-            path, f"has no node '{unknown[0]}', which asset.json leaves out.", mend, code="E-MODEL-WITHOUT"
-        )
+        what = f"has no node '{unknown[0]}', which asset.json leaves out."
+        raise InputError(path, what, mend, code="E-MODEL-WITHOUT")
     kept = [mesh for mesh, names in zip(meshes, named, strict=True) if not names.intersection(without)]
     if not kept:
         raise InputError(path, "has no node that asset.json does not leave out.", "name fewer", code="E-MODEL-WITHOUT")
-    line = f"left out, as asset.json says: {', '.join(without)}"
-    return make_body(path, kept, [*robot.remarks, line])
+    return make_body(path, kept, [*robot.remarks, f"left out, as asset.json says: {', '.join(without)}"])
 
 
 def find_ground(robot: RobotModel, height: int) -> str:
-    """The node of a thing of one link that is a ground under the rest: flat, lowest, and much wider; empty: none.
-
-    Args:
-        height: number of the axis up.
-    """
+    """The node of a thing of one link that is a ground under the rest: flat, lowest, and much wider; empty: none."""
     corners: dict[str, list[Matrix]] = {}
     for visual in robot.links[robot.root].visuals if len(robot.links) == 1 else ():
         corners.setdefault(next(iter(visual.mesh.metadata.get("nodes", [])), ""), []).append(visual.mesh.bounds)

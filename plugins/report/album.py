@@ -89,9 +89,8 @@ class SnapshotShards:
 
     def __init__(self, shards: Iterable[Path]) -> None:
         sidecars = {path: read_json(SnapshotShard, path.with_suffix(".json")) for path in shards}
-        self._places = {
-            asset: (path, index) for path, one in sidecars.items() for index, asset in enumerate(one.assets)
-        }
+        each = ((path, *place) for path, one in sidecars.items() for place in enumerate(one.assets))
+        self._places = {asset: (path, index) for path, index, asset in each}
 
     def picture(self, asset: str, yaw: float | None = None) -> Image.Image | None:
         """The asset at the yaw nearest to `yaw` (None: the representative view), cut out; None if it is unknown.

@@ -16,8 +16,7 @@ def name_pages(folder: Path, since: float) -> str:
     "": none.
     """
     kinds = (folder / REPORT).glob("index.html"), (folder / REPORT / "scenes").glob("*.html"), folder.glob(TABLES)
-    new = (sorted(page for page in pages if _is_new(page, since)) for pages in kinds)
-    made = next(filter(None, new), [])
+    made = next(filter(None, (sorted(page for page in pages if _is_new(page, since)) for pages in kinds)), [])
     more = f" and {len(made) - SHOWN} more beside" if len(made) > SHOWN else ""
     return f"Open {', '.join(map(str, made[:SHOWN]))}{more}" if made else ""
 

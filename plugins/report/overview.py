@@ -31,9 +31,8 @@ def run(
         logs: folder of the logs; a scene that stopped shows the last line of its log.
     """
     links = {path.stem: link_there_and_back(path, out) for path in pages}
-    rows = [
-        row(scene, RunFolders(results, logs, variant), links.get(scene, "")) for scene in sorted(scenes, key=sort_key)
-    ]
+    folders = RunFolders(results, logs, variant)
+    rows = [row(scene, folders, links.get(scene, "")) for scene in sorted(scenes, key=sort_key)]
     reasons = [one.stopped.reason for one in rows if one.stopped]
     counts = {"waiting": reasons.count(NOT_RUN), "stopped": len(reasons) - reasons.count(NOT_RUN)}
     counts["made"] = len(rows) - len(reasons)

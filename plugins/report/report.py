@@ -61,9 +61,8 @@ WORDS: dict[str, Any] = {"title_of": title_of} | {
 def render(template: str, scripts: tuple[str, ...] = (), **values: Any) -> str:
     """A page of the package, its scripts written into it."""
     script = Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in scripts))
-    return (
-        environment("roomkin.plugins.report").get_template(f"page/{template}").render(script=script, **WORDS, **values)
-    )
+    page = environment("roomkin.plugins.report").get_template(f"page/{template}")
+    return page.render(script=script, **WORDS, **values)
 
 
 def link_to(viewer: Path | None, page: Path) -> str:

@@ -84,6 +84,5 @@ def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[TextTable]:
             families = len({asset.family for asset in assets})
             rows.append([heading, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
     columns = ["Set", "Assets", "Families", "By kind of handle", "Length of handles"]
-    return (
-        [TextTable(name, caption, columns, rows, notes=read_notes("lists", "roomkin.plugins.report"))] if rows else []
-    )
+    notes = read_notes("lists", "roomkin.plugins.report")
+    return [TextTable(name, caption, columns, rows, notes=notes)] if rows else []

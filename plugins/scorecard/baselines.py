@@ -56,7 +56,7 @@ def run(*, rooms: str, data: Path = Path("rooms"), out: Path = Path("baselines")
         found["other_room"][truth.name] = describe_room(truth, copy_other(truth, truths))
     for name, about in ABOUT.items():
         head = {"version": 1, **about, "code": CODE, "by": "this project", "note": ""}
-        write_submission(out / f"{name}.json", head | {"rooms": found[name]})
+        write_json(out / f"{name}.json", head | {"rooms": found[name]})
     print(f"{out}: {', '.join(f'{name}.json' for name in ABOUT)}")
 
 
@@ -67,12 +67,8 @@ def describe_room(truth: PictureTruth, things: Iterable[dict[str, Any]]) -> dict
 
 def describe_thing(thing: TrueThing, center: NDArray[np.float64], size: Sequence[float], yaw: float) -> dict[str, Any]:
     """A thing of a submission."""
-    return {
-        "name": thing.label,
-        "center": np.round(center, 4).tolist(),
-        "size": np.round(size, 4).tolist(),
-        "yaw": round(float(yaw), 4),
-    }
+    box = {"center": np.round(center, 4).tolist(), "size": np.round(size, 4).tolist(), "yaw": round(float(yaw), 4)}
+    return {"name": thing.label, **box}
 
 
 def move_things(truth: PictureTruth, rng: np.random.Generator) -> Iterator[dict[str, Any]]:
@@ -137,12 +133,6 @@ def read_depth(path: Path) -> NDArray[np.uint16]:
     """
     pixels = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     if pixels is None or pixels.ndim != 2:
-        raise InputError(
-            path, "is missing, or no picture of 16 bits.", "make the rooms again", code="E-FILE-UNREADABLE"
-        )
+        what = "is missing, or no picture of 16 bits."
+        raise InputError(path, what, "make the rooms again", code="E-FILE-UNREADABLE")
     return np.asarray(pixels, np.uint16)
-
-
-def write_submission(path: Path, document: dict[str, Any]) -> None:
-    """Write a submission: things one a line, so that files stay small and differences are seen."""
-    write_json(path, document)

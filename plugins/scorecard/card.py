@@ -1,6 +1,6 @@
 """The scores of a submission: shares with intervals over models, a line for the table of all."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 
 import pandas as pd
@@ -8,14 +8,7 @@ import pandas as pd
 from roomkin.plugins.scorecard.scoring import RoomRow, ThingRow
 from roomkin.plugins.scorecard.truth import About
 from roomkin.stages.config.evaluation import TablesConfig
-from roomkin.stages.tables.intervals import (
-    Side,
-    difference_interval,
-    pair_sides,
-    rate_interval,
-    rate_of,
-    side_of,
-)
+from roomkin.stages.tables.intervals import Side, difference_interval, pair_sides, rate_interval, rate_of, side_of
 
 OPTIONS = TablesConfig()
 
@@ -29,15 +22,11 @@ def side_of_things(rows: pd.DataFrame, measure: str) -> Side:
     known = rows.dropna(subset=[measure])
     table = pd.DataFrame(
         {
-            "run": "all",
-            "seed": 0,
-            "checkpoint": "all",
-            "family": known["model"],
-            "asset": known["model"],
+            "run": "all", "seed": 0, "checkpoint": "all", "family": known["model"], "asset": known["model"],
             "initial_state": known["picture"] + "/" + known["number"].astype(str),
             "success": known[measure].astype(float),
         }
-    )
+    )  # fmt: skip
     return side_of(table)
 
 
@@ -60,7 +49,7 @@ def compare_shares(ours: pd.DataFrame, theirs: pd.DataFrame, measure: str) -> st
     return f"{apart:+.0f} [{100 * low:+.0f}, {100 * high:+.0f}] of {one.shape[1]}"
 
 
-def table(heading: list[str], lines: Iterator[list[str]]) -> str:
+def table(heading: list[str], lines: Iterable[list[str]]) -> str:
     """A table in Markdown."""
     return "\n".join(["| " + " | ".join(line) + " |" for line in [heading, ["---"] * len(heading), *lines]]) + "\n"
 
@@ -71,42 +60,27 @@ HEADING = ["method", "given beside the picture", "rooms", "things", *MEASURES, "
            "IoU of boxes, median", "IoU of shapes, median (of)", "extra things"]  # fmt: skip
 
 
-def frame_things(things: list[ThingRow]) -> pd.DataFrame:
-    """Rows of things as a table."""
-    return pd.DataFrame(things, columns=[field.name for field in fields(ThingRow)])
-
-
-def frame_rooms(rooms: list[RoomRow]) -> pd.DataFrame:
-    """Rows of rooms as a table."""
-    return pd.DataFrame(rooms, columns=[field.name for field in fields(RoomRow)])
+def make_frame(rows: Sequence[ThingRow | RoomRow], kind: type[ThingRow | RoomRow]) -> pd.DataFrame:
+    """Rows of things or of rooms as a table."""
+    return pd.DataFrame(rows, columns=[field.name for field in fields(kind)])
 
 
 def make_line(about: About, things: pd.DataFrame, rooms: pd.DataFrame) -> list[str]:
     """The cells of a submission's line, below `HEADING`."""
     shapes = pd.to_numeric(things["shape"]).dropna()
     return [
-        _plain(about.method),
-        ", ".join(about.given) or "nothing",
-        f"{int((rooms['placed'] > 0).sum())} of {len(rooms)}",
-        str(len(things)),
-        *(share(things, measure) for measure in MEASURES),
-        describe_shapes(things),
-        _median(things["off_place_cm"], 1),
-        _median(things["iou"], 2),
-        f"{shapes.median():.2f} ({len(shapes)})" if len(shapes) else "",
+        _plain(about.method), ", ".join(about.given) or "nothing",
+        f"{int((rooms['placed'] > 0).sum())} of {len(rooms)}", str(len(things)),
+        *(share(things, measure) for measure in MEASURES), describe_shapes(things), _median(things["off_place_cm"], 1),
+        _median(things["iou"], 2), f"{shapes.median():.2f} ({len(shapes)})" if len(shapes) else "",
         str(int(rooms["extra"].sum())),
-    ]
+    ]  # fmt: skip
 
 
 def describe_shapes(things: pd.DataFrame) -> str:
     """What stands for the things: boxes, meshes, or so many of either."""
     meshes, placed = int(things["shaped"].sum()), int(things["placed"].sum())
     return "boxes" if not meshes else "meshes" if meshes == placed else f"{meshes} meshes, {placed - meshes} boxes"
-
-
-def make_table(lines: list[list[str]]) -> str:
-    """The table of submissions in Markdown."""
-    return table(HEADING, iter(lines))
 
 
 def compare(ours: pd.DataFrame, theirs: pd.DataFrame) -> str:

@@ -121,8 +121,7 @@ def _draw_plan(
     for box, color in boxes:
         plan = corners(box)[:4, :2]
         draw.polygon([at(point) for point in plan], outline=color, width=2)
-        front = (plan[1] + plan[2]) / 2
-        draw.line([at(box.center[:2]), at(front)], fill=color)
+        draw.line([at(box.center[:2]), at((plan[1] + plan[2]) / 2)], fill=color)
     eye = truth.pose[:2, 3]
     for step in ((0.1, 0.1), (0.1, -0.1)):
         draw.line([at(eye - step), at(eye + step)], fill=(0, 0, 0), width=2)

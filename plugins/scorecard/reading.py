@@ -58,9 +58,8 @@ def _collect(about: About, sources: Mapping[str, Any], read: Callable[[Any], Roo
     scenes, unread = dict[str, RoomScene](), dict[str, str]()
     for room, source in sources.items():
         try:
-            scenes[room] = (
-                read(source) if {"drawn masks", "exact masks"} & {*about.given} else forget_numbers(read(source))
-            )
+            scene = read(source)
+            scenes[room] = scene if {"drawn masks", "exact masks"} & {*about.given} else forget_numbers(scene)
         except InputError as error:
             unread[room] = str(error)
         except ValidationError as error:

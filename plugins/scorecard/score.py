@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from roomkin.plugins.scorecard.card import compare, frame_rooms, frame_things, make_line, make_table
+from roomkin.plugins.scorecard.card import HEADING, compare, make_frame, make_line, table
 from roomkin.plugins.scorecard.page import write_page
 from roomkin.plugins.scorecard.reading import read_submission
-from roomkin.plugins.scorecard.scoring import score_submission
+from roomkin.plugins.scorecard.scoring import RoomRow, ThingRow, score_submission
 from roomkin.plugins.scorecard.truth import Cells, Submission, list_rooms
 from roomkin.stages.contracts.errors import InputError, explain
 from roomkin.stages.contracts.files import write_atomically, write_text
@@ -42,8 +42,7 @@ def run(
     names = [folder.name for folder in folders]
     read = read_submission(submission, names)
     things, of_rooms = score_one(read, folders, shapes)
-    line = make_table([make_line(read.about, things, of_rooms)])
-    parts = [line]
+    parts = [table(HEADING, [make_line(read.about, things, of_rooms)])]
     if against:
         other = read_submission(against, names)
         theirs, _ = score_one(other, folders, shapes)
@@ -65,7 +64,7 @@ def run(
 def score_one(read: Submission, folders: list[Path], shapes: dict[str, Cells]) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Tables of things and of rooms."""
     things, rooms = score_submission(read, folders, shapes)
-    return frame_things(things), frame_rooms(rooms)
+    return make_frame(things, ThingRow), make_frame(rooms, RoomRow)
 
 
 def read_shapes(path: Path) -> dict[str, Cells]:

@@ -87,13 +87,7 @@ class RoomRow:
 def score_submission(
     submission: Submission, folders: Sequence[Path], shapes: dict[str, Cells]
 ) -> tuple[list[ThingRow], list[RoomRow]]:
-    """Rows of things and of rooms.
-
-    Args:
-        submission: as it was read.
-        folders: of the rooms of the set, with their truth.
-        shapes: what is filled of the true models' boxes, by model.
-    """
+    """Rows of things and of rooms; `shapes`: what is filled of the true models' boxes, by model."""
     things, rooms = list[ThingRow](), list[RoomRow]()
     for folder in folders:
         truth = read_truth(folder / "truth.json")
@@ -116,9 +110,8 @@ def make_missing(truth: PictureTruth, thing: TrueThing, status: str, asked: Sequ
     turns = None if thing.symmetry == "full" else False
     carried = is_carrier_right(thing, "", {}, [one.number for one in asked])
     opens, handle = (False if asked else None for asked in (knows_hinges(thing.opens), thing.handles))
-    return ThingRow(
-        **_name(truth, thing), status=status, yaw=turns, facing=turns, carrier=carried, opens=opens, handle=handle
-    )
+    lacks: dict[str, Any] = {"yaw": turns, "facing": turns, "carrier": carried, "opens": opens, "handle": handle}
+    return ThingRow(**_name(truth, thing), status=status, **lacks)
 
 
 def _name(truth: PictureTruth, thing: TrueThing) -> dict[str, Any]:

@@ -16,7 +16,6 @@ from roomkin.stages.contracts.parts import HingeSide
 from roomkin.stages.contracts.types import Angle, MaskValue, Position, RigidTransform, Size, Text
 from roomkin.stages.geometry.boxes import UprightBox
 
-GIVEN = ("depth", "drawn masks", "exact masks", "names", "panels", "clicks", "camera pose", "length")
 Given = Literal["depth", "drawn masks", "exact masks", "names", "panels", "clicks", "camera pose", "length"]
 Cells = NDArray[np.bool_]
 

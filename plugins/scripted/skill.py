@@ -49,8 +49,7 @@ def run(
             episodes = [play(envs, task, skill, start) for start in starts]
             successes = sum(episode.success for episode in episodes)
             print(f"evaluation: {test_asset} {successes}/{len(starts)}", file=sys.stderr)
-            acting = Acting(target, "skill", "skill", "scripted", 0, "none")
-            rows += envs.rows(acting, test_asset, episodes)
+            rows += envs.rows(Acting(target, "skill", "skill", "scripted", 0, "none"), test_asset, episodes)
     write_rows(out, rows)
 
 

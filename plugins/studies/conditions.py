@@ -18,12 +18,7 @@ COLUMNS = [*CELL, "task", "condition", "assets", "runs", "episodes", "successes"
 
 
 def run(
-    *,
-    out: Path,
-    rollouts: tuple[Path, ...],
-    elsewhere: tuple[Path, ...],
-    names: tuple[str, ...],
-    options: str = "",
+    *, out: Path, rollouts: tuple[Path, ...], elsewhere: tuple[Path, ...], names: tuple[str, ...], options: str = ""
 ) -> None:
     """Write conditions.csv, .html and .tex: every policy and skill under each condition, and minus the usual one.
 
@@ -60,12 +55,9 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """
     by = [*CELL, "condition"]
     table = rates(rollouts, by, options)
-    differences = tabulate_gains(rollouts, CELL, "condition", USUAL, options, same=True)[[*by, *ENDS]].rename(
-        columns=ENDS
-    )
-    merged = table.merge(differences, "left", by)[COLUMNS]
-    usual_first = merged.sort_values("condition", key=lambda names: names.where(names != USUAL, ""))
-    return in_order(usual_first)
+    gains = tabulate_gains(rollouts, CELL, "condition", USUAL, options, same=True)
+    merged = table.merge(gains[[*by, *ENDS]].rename(columns=ENDS), "left", by)[COLUMNS]
+    return in_order(merged.sort_values("condition", key=lambda names: names.where(names != USUAL, "")))
 
 
 def against_baselines(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:

@@ -153,9 +153,8 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
     each = policies.groupby([*policy, "test_asset"]).size().groupby(["target", "task", "test_asset"]).max()
     rollouts = f"{len(policies)} episodes of {policies.groupby(policy).ngroups} policies"
     roles = each[~each.index.isin(SPLITS, level="test_asset")].groupby(["target", "task"]).max()
-    counts = [
-        f"{count} ({'; '.join(target_title(*name) for name in part.index)})" for count, part in roles.groupby(roles)
-    ]
+    grouped = roles.groupby(roles)
+    counts = [f"{count} ({'; '.join(target_title(*name) for name in part.index)})" for count, part in grouped]
     if len(roles):
         rollouts += f", {' and '.join(counts) if len(counts) > 1 else roles.iloc[0]} per role"
     about = [("Seeds", f"{', '.join(map(str, seeds)) or 'none'} of training; {config.seed} of everything else")]
@@ -165,9 +164,8 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
         assets = f"{pairs} pairs of room and asset, {models} assets" if models < pairs else str(pairs)
         assets += f" of {part['family'].nunique()} families"
         states = part.groupby("asset")["initial_state"].nunique().max()
-        about.append(
-            (f"{target_title(str(target), str(task))}, {title(str(split))}", f"{assets}, {states} initial states each")
-        )
+        name = f"{target_title(str(target), str(task))}, {title(str(split))}"
+        about.append((name, f"{assets}, {states} initial states each"))
     return about
 
 

@@ -10,14 +10,14 @@ import torch
 import trimesh
 
 from roomkin.plugins.bowl.carry import find_level_region, measure_headroom
-from roomkin.plugins.bowl.skills.pick.skill import (
+from roomkin.plugins.bowl.skills.pick import (
     TURNS,
     measure_turn,
     sample_grasps,
     sample_object_cloud,
     sort_by_turn,
 )
-from roomkin.plugins.bowl.skills.place.skill import DROP, find_places_inside, sample_placements
+from roomkin.plugins.bowl.skills.place import DROP, find_places_inside, sample_placements
 from roomkin.plugins.bowl.tasks.put_away_bowl.environment import (
     AROUND,
     default_bowl,

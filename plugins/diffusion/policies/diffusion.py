@@ -65,9 +65,8 @@ class Policy(PointCloudPolicy):
         random = torch.Generator().manual_seed(int(self.updates) if training else 0)
         self.updates += training
         seen = self.flatten_observations(self.encode(clouds[:, :1], proprio[:, :1]))
-        level = torch.randint(1, self.options.num_train_timesteps + 1, (len(actions),), generator=random).to(
-            actions.device
-        )
+        levels = self.options.num_train_timesteps
+        level = torch.randint(1, levels + 1, (len(actions),), generator=random).to(actions.device)
         noise = torch.randn(actions.shape, generator=random).to(actions.device)
         signal = self.signal[level][:, None, None]
         denoised = self.clean(signal.sqrt() * actions + (1 - signal).sqrt() * noise, level, seen)

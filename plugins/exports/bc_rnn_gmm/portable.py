@@ -35,15 +35,8 @@ def portable(policy: Policy, mode: ActionMode) -> tuple[dict[str, Tensor], dict[
         last[: options.gmm_modes] *= POWERS[mode]
         weights[f"head.{len(head) - 1}.{kind}"] = last
     return {name: tensor.detach().clone() for name, tensor in weights.items()}, {
-        "points": policy.config.points,
-        "flags": policy.flags,
-        "keep_flagged": policy.config.handle,
-        "middle": policy.config.handle,
-        "gripper_frame": float(options.cloud_frame == "gripper"),
-        "point_layers": options.pointnet_layers,
-        "features": policy.lstm.input_size,
-        "memory": options.rnn_hidden,
-        "horizon": policy.config.horizon,
-        "head_layers": len(head),
-        "modes": options.gmm_modes,
-    }
+        "points": policy.config.points, "flags": policy.flags, "keep_flagged": policy.config.handle,
+        "middle": policy.config.handle, "gripper_frame": float(options.cloud_frame == "gripper"),
+        "point_layers": options.pointnet_layers, "features": policy.lstm.input_size, "memory": options.rnn_hidden,
+        "horizon": policy.config.horizon, "head_layers": len(head), "modes": options.gmm_modes,
+    }  # fmt: skip

@@ -69,21 +69,13 @@ def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
     write_json(
         out / "meta/info.json",
         {
-            "codebase_version": "v3.0",
-            "robot_type": "panda",
-            "total_episodes": len(rows),
-            "total_frames": frames,
-            "total_tasks": len(tasks),
-            "chunks_size": 1000,
-            "data_files_size_in_mb": 100,
-            "video_files_size_in_mb": 200,
-            "fps": fps,
-            "splits": {"train": f"0:{len(rows)}"},
-            "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
-            "video_path": None,
+            "codebase_version": "v3.0", "robot_type": "panda", "total_episodes": len(rows), "total_frames": frames,
+            "total_tasks": len(tasks), "chunks_size": 1000, "data_files_size_in_mb": 100, "video_files_size_in_mb": 200,
+            "fps": fps, "splits": {"train": f"0:{len(rows)}"},
+            "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet", "video_path": None,
             "features": features,
         },
-    )
+    )  # fmt: skip
 
 
 def instruction(store: EpisodeStore) -> str:
@@ -97,17 +89,11 @@ def columns_of(store: EpisodeStore, arrays: Episode, episode: int, first: int, t
     clouds, proprio, actions = arrays
     frame = np.arange(len(actions))
     return {
-        "observation.state": proprio,
-        "observation.point_cloud": clouds.astype(np.float32),
-        "action": actions,
-        "next.reward": (frame == frame[-1]).astype(np.float32),
-        "next.done": frame == frame[-1],
-        "timestamp": (frame / store.task_options.control_frequency).astype(np.float32),
-        "frame_index": frame,
-        "episode_index": np.full_like(frame, episode),
-        "index": first + frame,
-        "task_index": np.full_like(frame, task),
-    }
+        "observation.state": proprio, "observation.point_cloud": clouds.astype(np.float32), "action": actions,
+        "next.reward": (frame == frame[-1]).astype(np.float32), "next.done": frame == frame[-1],
+        "timestamp": (frame / store.task_options.control_frequency).astype(np.float32), "frame_index": frame,
+        "episode_index": np.full_like(frame, episode), "index": first + frame, "task_index": np.full_like(frame, task),
+    }  # fmt: skip
 
 
 def features_of(columns: Columns) -> dict[str, Any]:

@@ -71,8 +71,7 @@ def trajectories(path: Path, count: int) -> list[tuple[Subject, Trajectory]]:
                 raise InputError(path, what, AGAIN, code="E-EPISODES-ATTRIBUTE")
             x, y, z = (float(extent) for extent in demo.attrs["size"])
             subject = Subject(str(demo.attrs["asset"]), str(demo.attrs["joint"]), (x, y, z), randomise)
-            executed = np.asarray(demo["executed"][()], np.float32)
-            found.append((subject, (int(demo.attrs["seed"]), executed)))
+            found.append((subject, (int(demo.attrs["seed"]), np.asarray(demo["executed"][()], np.float32))))
     return found
 
 

@@ -44,13 +44,8 @@ def _camera(world: ET.Element, room: ExportedScene) -> None:
     # MuJoCo counts from the middle of the picture to the principal point, leftwards and upwards
     middle = [(width - 1) / 2 - k[0, 2], (height - 1) / 2 - k[1, 2]]
     ET.SubElement(
-        world,
-        "camera",
-        name=CAMERA,
-        pos=text(pose[:3, 3]),
-        quat=text(quaternion_from_matrix(pose[:3, :3] @ OPENGL[:3, :3])),
-        resolution=f"{width} {height}",
-        focalpixel=text([k[0, 0], k[1, 1]]),
-        principalpixel=text(middle),
+        world, "camera", name=CAMERA, pos=text(pose[:3, 3]),
+        quat=text(quaternion_from_matrix(pose[:3, :3] @ OPENGL[:3, :3])), resolution=f"{width} {height}",
+        focalpixel=text([k[0, 0], k[1, 1]]), principalpixel=text(middle),
         sensorsize=text([width * 1e-5, height * 1e-5]),
-    )
+    )  # fmt: skip

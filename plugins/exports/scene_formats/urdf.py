@@ -52,17 +52,12 @@ def write(room: ExportedScene, out: Path) -> None:
 def _index(room: ExportedScene) -> dict[str, object]:
     placed = [
         {
-            "id": body.id,
-            "urdf": f"models/{body.id}/{body.asset.urdf}",
-            "label": body.label,
-            "asset": body.asset.id,
-            "category": body.asset.category,
-            "fixed": body.fixed,
-            "position": body.pose[:3, 3].round(6).tolist(),
+            "id": body.id, "urdf": f"models/{body.id}/{body.asset.urdf}", "label": body.label, "asset": body.asset.id,
+            "category": body.asset.category, "fixed": body.fixed, "position": body.pose[:3, 3].round(6).tolist(),
             "quaternion_wxyz": quaternion_from_matrix(body.pose[:3, :3]).round(6).tolist(),
         }
         for body in room.bodies
-    ]
+    ]  # fmt: skip
     camera = {"intrinsics": room.scene.intrinsics, "world_from_camera": room.scene.floor_from_camera}
     return {"scene": room.scene.scene, "rank": room.scene.rank, "camera": camera, "objects": placed}
 

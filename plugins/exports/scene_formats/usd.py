@@ -17,9 +17,8 @@ from roomkin.stages.geometry.frames import OPENGL, make_transform, quaternion_fr
 try:
     from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt
 except ImportError:
-    raise InputError(
-        "--format usd", "usd-core is not installed.", "pip install usd-core", code="E-USD-MISSING"
-    ) from None
+    what = "usd-core is not installed."
+    raise InputError("--format usd", what, "pip install usd-core", code="E-USD-MISSING") from None
 
 ROOT, LOOKS = "/World", "/World/Looks"
 
@@ -160,9 +159,8 @@ class _Writer:
         mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)
         UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
         UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr("convexHull")
-        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(
-            self.rough, UsdShade.Tokens.weakerThanDescendants, "physics"
-        )
+        binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
+        binding.Bind(self.rough, UsdShade.Tokens.weakerThanDescendants, "physics")
 
     def _material(self, surface: ColoredMesh) -> Any:
         key = (surface.color, None if surface.image is None else surface.image.tobytes())

@@ -22,17 +22,10 @@ def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
     front = pick(rng, APPLIANCE)
     handle = METALS[2] if np.mean(finish_of(front).color) > 0.4 else METALS[0]
     plain: dict[str, Any] = {
-        "panel": "flat",
-        "handle": str(rng.choice(["bar", "square_bar"])),
-        "inset_front": False,
-        "top": 0.0,
-        "front_colour": front,
-        "body_colour": shade(front, 0.85),
-        "field_colour": front,
-        "inside_colour": [0.75, 0.76, 0.78],
-        "base_colour": [0.08, 0.08, 0.09],
-        "handle_colour": pick(rng, [handle]),
-    }
+        "panel": "flat", "handle": str(rng.choice(["bar", "square_bar"])), "inset_front": False, "top": 0.0,
+        "front_colour": front, "body_colour": shade(front, 0.85), "field_colour": front,
+        "inside_colour": [0.75, 0.76, 0.78], "base_colour": [0.08, 0.08, 0.09], "handle_colour": pick(rng, [handle]),
+    }  # fmt: skip
     return cabinet_of(rng, layout, **(plain | changes))
 
 
@@ -47,17 +40,9 @@ FURTHER_FRIDGES = range(12, 12 + len(FRIDGES))
 
 
 @category(
-    "fridge",
-    templates=4,
-    count=21,
-    further=FURTHER_FRIDGES,
-    names="refrigerator",
-    like="freezer, icebox",
-    kin="appliance",
-    carries="top",
-    varied=True,
-    appliance=True,
-)
+    "fridge", templates=4, count=21, further=FURTHER_FRIDGES, names="refrigerator", like="freezer, icebox",
+    kin="appliance", carries="top", varied=True, appliance=True,
+)  # fmt: skip
 def sample_fridge(rng: Rng, index: int) -> Sampled:
     """One tall door, a freezer above or below, or two doors side by side; and further styles."""
     if index in FURTHER_FRIDGES:
@@ -93,16 +78,9 @@ def _sample_further_fridge(rng: Rng, number: int) -> Sampled:
 
 
 @category(
-    "microwave",
-    templates=4,
-    count=12,
-    names="microwave oven",
-    kin="appliance",
-    carries="top",
-    places="top",
-    varied=True,
-    appliance=True,
-)
+    "microwave", templates=4, count=12, names="microwave oven", kin="appliance", carries="top", places="top",
+    varied=True, appliance=True,
+)  # fmt: skip
 def sample_microwave(rng: Rng, index: int) -> Sampled:
     """A glazed door beside a control panel; stands on something."""
     size = box_of(rng, (0.34, 0.44), (0.44, 0.58), (0.26, 0.34))
@@ -118,16 +96,9 @@ FURTHER_OVENS = range(12, 15)
 
 
 @category(
-    "oven",
-    templates=3,
-    count=15,
-    further=FURTHER_OVENS,
-    like="stove, cooker, hob, cooktop",
-    kin="appliance",
-    carries="top",
-    varied=True,
-    appliance=True,
-)
+    "oven", templates=3, count=15, further=FURTHER_OVENS, like="stove, cooker, hob, cooktop", kin="appliance",
+    carries="top", varied=True, appliance=True,
+)  # fmt: skip
 def sample_oven(rng: Rng, index: int) -> Sampled:
     """A glazed flap below a control panel; the large ones have a drawer beneath. Further ones have two flaps."""
     if index in FURTHER_OVENS:
@@ -243,11 +214,7 @@ class WashingMachine(Generator):
 
 DEEP = ((0.58, 0.59, 0.83), (0.66, 0.62, 0.87))
 WASHING_MACHINE = Category(
-    name="washing_machine",
-    sample=sized(WashingMachine, DEEP, DEEP, ((0.42, 0.59, 0.83), (0.5, 0.62, 0.87))),
-    templates=3,
-    names="washer, clothes washer, laundry machine, front loader, tumble dryer",
-    like="tumbledryer, spinner",
-    kin="appliance",
-    carries="top",
-)
+    name="washing_machine", sample=sized(WashingMachine, DEEP, DEEP, ((0.42, 0.59, 0.83), (0.5, 0.62, 0.87))),
+    templates=3, names="washer, clothes washer, laundry machine, front loader, tumble dryer",
+    like="tumbledryer, spinner", kin="appliance", carries="top",
+)  # fmt: skip

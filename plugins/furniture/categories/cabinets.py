@@ -54,15 +54,11 @@ def cabinet_of(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) 
 
 
 @category(
-    "bottom_cabinet",
-    templates=24,
-    count=56,
+    "bottom_cabinet", templates=24, count=56,
     names="cabinet, cupboard, storage furniture, base cabinet, lower cabinet, floor cabinet, sink cabinet",
-    kin="storage",
-    carries="top",
-    varied=True,
+    kin="storage", carries="top", varied=True,
     fronts=columns("D", "D D", "D D D", "D D D D", "PD", "PD PD", "DP DP", "D PPP", "PPPP D D") + rows("P DD", "DD P"),
-)
+)  # fmt: skip
 def sample_bottom_cabinet(rng: Rng, index: int) -> Sampled:
     """Floor cabinet; one in five has drawers only, two have doors only, two have both."""
     kind = ["doors", "mixed", "doors", "mixed", "drawers"][index % 5]
@@ -96,41 +92,26 @@ def sample_nightstand(rng: Rng, index: int) -> Sampled:
 
 
 @category(
-    "tv_stand",
-    templates=5,
-    names="television cabinet, cabinet television, tv bench, tv cabinet, tv unit",
-    like="tvconsole, mediaconsole, mediaunit",
-    kin="storage",
-    carries="top",
-)
+    "tv_stand", templates=5, names="television cabinet, cabinet television, tv bench, tv cabinet, tv unit",
+    like="tvconsole, mediaconsole, mediaunit", kin="storage", carries="top",
+)  # fmt: skip
 def sample_tv_stand(rng: Rng, index: int) -> Sampled:
     """Long, very low, with open bays for what is beneath the screen."""
     layouts = ("O P", "D OO D", "P O P", "OP OP", "O O O")
     size = box_of(rng, (0.36, 0.46), (1.1, 1.9), (0.34, 0.52))
     base = str(rng.choice(["legs", "feet", "plinth", "none"]))
     p = cabinet_of(
-        rng,
-        cells_of(layouts[index % 5]),
-        base=base,
-        base_height=uniform(rng, 0.05, 0.14),
-        drawer_weight=0.9,
-        shelves=0,
-        open_weight=0.7,
-    )
+        rng, cells_of(layouts[index % 5]), base=base, base_height=uniform(rng, 0.05, 0.14), drawer_weight=0.9,
+        shelves=0, open_weight=0.7,
+    )  # fmt: skip
     return Sampled(size, p)
 
 
 @category(
-    "wall_cabinet",
-    templates=9,
-    count=27,
-    names="medicine cabinet, upper cabinet, cabinet upper",
-    kin="storage",
-    carries="top",
-    places="wall",
-    varied=True,
+    "wall_cabinet", templates=9, count=27, names="medicine cabinet, upper cabinet, cabinet upper", kin="storage",
+    carries="top", places="wall", varied=True,
     fronts=columns("D", "D D", "D D D", "D D D D", "DO DO", "D O") + rows("DD PP"),
-)
+)  # fmt: skip
 def sample_wall_cabinet(rng: Rng, index: int) -> Sampled:
     """Hangs on the wall: shallow, doors, sometimes glazed, sometimes an open shelf."""
     count = 1 + index % 3
@@ -143,15 +124,9 @@ def sample_wall_cabinet(rng: Rng, index: int) -> Sampled:
 
 
 @category(
-    "sideboard",
-    growth=(0.5, 0.0),
-    templates=7,
-    count=28,
-    kin="storage",
-    carries="top",
-    varied=True,
+    "sideboard", growth=(0.5, 0.0), templates=7, count=28, kin="storage", carries="top", varied=True,
     fronts=columns("D PPP D", "D PP PP D", "D D PPP", "PPP D D") + rows("PPP DDD") + columns("D O D", "D D D D"),
-)
+)  # fmt: skip
 def sample_sideboard(rng: Rng, index: int) -> Sampled:
     """Long and low: doors at the ends, drawers or an open bay in the middle."""
     drawers = int(rng.integers(2, 4))
@@ -163,15 +138,9 @@ def sample_sideboard(rng: Rng, index: int) -> Sampled:
 
 
 @category(
-    "wardrobe",
-    templates=6,
-    count=26,
-    names="armoire, closet",
-    kin="storage",
-    carries="top",
-    varied=True,
+    "wardrobe", templates=6, count=26, names="armoire, closet", kin="storage", carries="top", varied=True,
     fronts=columns("D D", "D D D", "D D D D", "DP DP", "D PPPPP") + rows("DD P P"),
-)
+)  # fmt: skip
 def sample_wardrobe(rng: Rng, index: int) -> Sampled:
     """Tall doors, sometimes above drawers."""
     count = 2 + index % 2
@@ -183,16 +152,10 @@ def sample_wardrobe(rng: Rng, index: int) -> Sampled:
 
 
 @category(
-    "chest_of_drawers",
-    growth=(0.5, 0.5),
-    templates=8,
-    count=32,
-    names="chest drawers, drawer chest, dresser, commode",
-    kin="storage",
-    carries="top",
-    varied=True,
+    "chest_of_drawers", growth=(0.5, 0.5), templates=8, count=32, names="chest drawers, drawer chest, dresser, commode",
+    kin="storage", carries="top", varied=True,
     fronts=columns("PP", "PPP", "PPPP", "PPPPPP", "PPP PPP") + rows("PP P P", "PPP P P P") + columns("PPPP D"),
-)
+)  # fmt: skip
 def sample_chest_of_drawers(rng: Rng, index: int) -> Sampled:
     """Drawers only, in one to two columns, or two small ones above wide ones."""
     count = int(rng.integers(2, 6))

@@ -36,23 +36,16 @@ def grid(
 
 
 @category(
-    "monitor",
-    templates=3,
-    names="computer monitor, computer screen, screen, desktop computer",
-    like="display, computer",
-    kin="flat",
-    places="top",
-)
+    "monitor", templates=3, names="computer monitor, computer screen, screen, desktop computer",
+    like="display, computer", kin="flat", places="top",
+)  # fmt: skip
 def sample_monitor(rng: Rng, index: int) -> Sampled:
     """A screen on a neck or a bar, higher above the desk than a television above its stand."""
     wide = rng.uniform(0.42, 0.64) if index % 3 else rng.uniform(0.6, 0.82)
     recipe = Television.sample_parameters(
-        rng,
-        index,
-        stand="bar" if index % 3 == 1 else "neck",
-        stand_height=uniform(rng, 0.22, 0.34),
+        rng, index, stand="bar" if index % 3 == 1 else "neck", stand_height=uniform(rng, 0.22, 0.34),
         rim=uniform(rng, 0.006, 0.02),
-    )
+    )  # fmt: skip
     shape = rng.uniform(0.72, 0.84) if index % 3 else rng.uniform(0.62, 0.7)
     return Sampled(round_size(rng.uniform(0.17, 0.24), wide, wide * shape), recipe)
 
@@ -117,14 +110,9 @@ class Mouse(Generator):
 
 
 MOUSE = Category(
-    name="mouse",
-    sample=sized(Mouse, ((0.095, 0.056, 0.03), (0.125, 0.07, 0.042)), digits=4),
-    templates=3,
-    names="computer mouse",
-    like="trackball",
-    kin="device",
-    places="top",
-)
+    name="mouse", sample=sized(Mouse, ((0.095, 0.056, 0.03), (0.125, 0.07, 0.042)), digits=4), templates=3,
+    names="computer mouse", like="trackball", kin="device", places="top",
+)  # fmt: skip
 
 
 class Telephone(Generator):
@@ -145,9 +133,8 @@ class Telephone(Generator):
             flat = grid((0.28 * z, 0.6 * z), (-0.5 * y, 0.5 * y), 4, 3, (0, 0.003))
             keys = [translate(rotate(key, -np.pi / 2, [0, 1, 0]), (0.2 * x + 0.0025, 0, 0)) for key in flat]
             parts.append(seen(keys, self.key_colour))
-            parts.add(
-                box((0.2 * x, 0.2 * x + 0.002), (-0.45 * y, 0.45 * y), (0.66 * z, 0.88 * z)), DARK, PLASTIC, solid=False
-            )
+            screen = box((0.2 * x, 0.2 * x + 0.002), (-0.45 * y, 0.45 * y), (0.66 * z, 0.88 * z))
+            parts.add(screen, DARK, PLASTIC, solid=False)
             return Model(parts, placement="object")
         rear, front_edge = 0.7 * z, 0.7 * z * self.slope
         corners = [(a, b, c) for a, top in ((-x, rear), (x, front_edge)) for b in (-y, y) for c in (0, top)]
@@ -173,14 +160,9 @@ class Telephone(Generator):
 
 DESK, CORDLESS = ((0.19, 0.17, 0.08), (0.24, 0.23, 0.12)), ((0.08, 0.075, 0.15), (0.11, 0.1, 0.19))
 TELEPHONE = Category(
-    name="telephone",
-    sample=sized(Telephone, DESK, CORDLESS, digits=4),
-    templates=2,
-    names="phone, landline, desk phone, telephone set",
-    like="intercom, handset",
-    kin="device",
-    places="top",
-)
+    name="telephone", sample=sized(Telephone, DESK, CORDLESS, digits=4), templates=2,
+    names="phone, landline, desk phone, telephone set", like="intercom, handset", kin="device", places="top",
+)  # fmt: skip
 
 
 class CellPhone(Generator):
@@ -205,14 +187,10 @@ class CellPhone(Generator):
 
 
 CELL_PHONE = Category(
-    name="cell_phone",
-    sample=sized(CellPhone, ((0.135, 0.066, 0.0075), (0.168, 0.079, 0.012)), digits=4),
-    templates=3,
-    names="cellphone, mobile phone, smartphone, smart phone, cellular phone, mobile",
-    like="ipod, pager",
-    kin="device",
+    name="cell_phone", sample=sized(CellPhone, ((0.135, 0.066, 0.0075), (0.168, 0.079, 0.012)), digits=4), templates=3,
+    names="cellphone, mobile phone, smartphone, smart phone, cellular phone, mobile", like="ipod, pager", kin="device",
     places="top",
-)
+)  # fmt: skip
 
 
 class Remote(Generator):
@@ -240,11 +218,7 @@ class Remote(Generator):
 
 
 REMOTE = Category(
-    name="remote",
-    sample=sized(Remote, ((0.13, 0.038, 0.016), (0.22, 0.055, 0.026)), digits=4),
-    templates=3,
-    names="remote control, tv remote, television remote",
-    like="controller, joystick, gamepad",
-    kin="device",
+    name="remote", sample=sized(Remote, ((0.13, 0.038, 0.016), (0.22, 0.055, 0.026)), digits=4), templates=3,
+    names="remote control, tv remote, television remote", like="controller, joystick, gamepad", kin="device",
     places="top",
-)
+)  # fmt: skip

@@ -51,12 +51,9 @@ class TrashCan(Generator):
 
 
 @category(
-    "trash_can",
-    templates=3,
-    names="bin, bucket, wastebasket, garbage can, waste bin, rubbish bin",
-    like="trash, trashbin, garbage, rubbish, dustbin, garbagecan",
-    kin="box",
-)
+    "trash_can", templates=3, names="bin, bucket, wastebasket, garbage can, waste bin, rubbish bin",
+    like="trash, trashbin, garbage, rubbish, dustbin, garbagecan", kin="box",
+)  # fmt: skip
 def sample_trash_can(rng: Rng, index: int) -> Sampled:
     """Waste paper baskets, bins with a swinging lid, pedal bins."""
     style = ["open", "dome", "square"][index % 3]
@@ -154,14 +151,9 @@ class Suitcase(Generator):
 
 
 @category(
-    "suitcase",
-    templates=2,
-    names="luggage, trolley case, baggage",
-    like="briefcase, valise",
-    kin="box",
-    carries="top",
+    "suitcase", templates=2, names="luggage, trolley case, baggage", like="briefcase, valise", kin="box", carries="top",
     places="floor, top",
-)
+)  # fmt: skip
 def sample_suitcase(rng: Rng, index: int) -> Sampled:
     """For the cabin or the hold, with its handle out or in."""
     tall = rng.uniform(0.53, 0.78)

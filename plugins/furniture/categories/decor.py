@@ -96,14 +96,9 @@ class Picture(Generator):
 
 
 @category(
-    "picture",
-    templates=4,
-    count=10,
-    names="painting",
-    like="poster, artwork, canvas, frame, photo",
-    kin="flat",
+    "picture", templates=4, count=10, names="painting", like="poster, artwork, canvas, frame, photo", kin="flat",
     places="wall",
-)
+)  # fmt: skip
 def sample_picture(rng: Rng, index: int) -> Sampled:
     """Portrait and landscape."""
     wide, tall = sorted(rng.uniform([0.3, 0.5], [0.5, 0.8]))
@@ -153,19 +148,14 @@ class Rug(Generator):
 
 
 @category(
-    "rug",
-    templates=4,
-    names="carpet, mat, area rug, doormat, door mat, bath mat, floor mat",
-    like="runner, kilim, tapestry",
-    kin="cloth",
-    carries="floor",
-)
+    "rug", templates=4, names="carpet, mat, area rug, doormat, door mat, bath mat, floor mat",
+    like="runner, kilim, tapestry", kin="cloth", carries="floor",
+)  # fmt: skip
 def sample_rug(rng: Rng, index: int) -> Sampled:
     """From a mat before a door to a carpet beneath a table."""
     deep = [rng.uniform(1.2, 2.0), rng.uniform(0.6, 0.9), rng.uniform(1.0, 1.8), rng.uniform(1.0, 1.7)][index % 4]
     wide = deep if index % 4 == 2 else deep * rng.uniform(1.4, 1.7)
-    size = round_size(deep, wide, rng.uniform(0.008, 0.014))
-    return Sampled(size, Rug.sample_parameters(rng, index))
+    return Sampled(round_size(deep, wide, rng.uniform(0.008, 0.014)), Rug.sample_parameters(rng, index))
 
 
 class Curtain(Generator):
@@ -198,8 +188,7 @@ class Curtain(Generator):
         for a, b in spans:
             folds = max(2, round((b - a) / (self.fold if self.style != "aside" else 0.6 * self.fold)))
             mesh = _folds(x - self.thickness / 2, (a, b), (0.0, top + thick), self.thickness, folds)
-            solid = box((-x, x), (a, b), (0, top))
-            parts.append(Part(mesh, finish_of(self.colour), WOOL, (solid,), True))
+            parts.append(Part(mesh, finish_of(self.colour), WOOL, (box((-x, x), (a, b), (0, top)),), True))
         return Model(parts, placement="wall")
 
 
@@ -223,16 +212,11 @@ def _folds(deep: float, y: tuple[float, float], z: tuple[float, float], thick: f
 
 
 @category(
-    "curtain",
-    templates=3,
-    names="drape, drapery, window curtain, shower curtain, curtain panel",
-    like="blind, shutter, valance",
-    kin="cloth",
-    places="wall",
-)
+    "curtain", templates=3, names="drape, drapery, window curtain, shower curtain, curtain panel",
+    like="blind, shutter, valance", kin="cloth", places="wall",
+)  # fmt: skip
 def sample_curtain(rng: Rng, index: int) -> Sampled:
     """To the window sill or to the floor."""
     wide = rng.uniform(0.7, 1.1) if index % 3 == 2 else rng.uniform(1.3, 2.4)
     tall = rng.uniform(2.0, 2.5) if index % 2 == 0 else rng.uniform(1.2, 1.7)
-    size = round_size(rng.uniform(0.08, 0.13), wide, tall)
-    return Sampled(size, Curtain.sample_parameters(rng, index))
+    return Sampled(round_size(rng.uniform(0.08, 0.13), wide, tall), Curtain.sample_parameters(rng, index))

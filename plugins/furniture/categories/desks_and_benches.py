@@ -80,13 +80,9 @@ def sample_desk(rng: Rng, index: int) -> Sampled:
     """With one pedestal, with two, without, with a shelf on top."""
     top, front = pick(rng, WOODS, PAINTS[:2]), pick(rng, WOODS, PAINTS)
     recipe = Desk.sample_parameters(
-        rng,
-        index,
-        top_colour=top,
-        front_colour=front,
-        body_colour=shade(front, 0.85),
+        rng, index, top_colour=top, front_colour=front, body_colour=shade(front, 0.85),
         leg_colour=lambda: top if rng.random() < 0.6 else pick(rng, METALS),
-    )
+    )  # fmt: skip
     wide = rng.uniform(1.35, 1.7) if recipe.pedestals == "both" else rng.uniform(1.0, 1.5)
     high = rng.uniform(0.72, 0.77) + recipe.raised
     return Sampled(round_size(rng.uniform(0.55, 0.75), wide, high), recipe)
@@ -205,10 +201,6 @@ class WallShelf(Generator):
 HEIGHTS = (0.22, 0.3, 0.85, 0.5, 0.6)  # about, of the styles in turn
 WALL_SHELF = Category(
     name="wall_shelf",
-    sample=sized(WallShelf, *(((0.18, 0.5, 0.85 * high), (0.28, 1.1, 1.15 * high)) for high in HEIGHTS)),
-    templates=5,
-    like="wallshelf, wallrack, shelfboard",
-    kin="storage",
-    carries="boards",
-    places="wall",
-)
+    sample=sized(WallShelf, *(((0.18, 0.5, 0.85 * high), (0.28, 1.1, 1.15 * high)) for high in HEIGHTS)), templates=5,
+    like="wallshelf, wallrack, shelfboard", kin="storage", carries="boards", places="wall",
+)  # fmt: skip

@@ -61,13 +61,10 @@ def sample_bottle(rng: Rng, index: int) -> Sampled:
     diameter = uniform(rng, 0.06, 0.09, 4)
     neck, shoulder = uniform(rng, 0.28, 0.45), uniform(rng, 0.75, 0.95)
     recipe = TurnedVessel(
-        radii=[0.95, 1.0, 1.0, 1.0, shoulder, neck, neck],
-        straight=False,
-        band=[0.86, 0.999] if index % 2 else [0.25, 0.55],
-        colour=pick(rng, GLAZES),
-        band_colour=pick(rng, GLAZES),
+        radii=[0.95, 1.0, 1.0, 1.0, shoulder, neck, neck], straight=False,
+        band=[0.86, 0.999] if index % 2 else [0.25, 0.55], colour=pick(rng, GLAZES), band_colour=pick(rng, GLAZES),
         density=FILLED,
-    )
+    )  # fmt: skip
     return Sampled(round_size(diameter, diameter, diameter * rng.uniform(2.6, 4.0), digits=4), recipe)
 
 
@@ -79,13 +76,9 @@ def sample_vase(rng: Rng, index: int) -> Sampled:
     color = pick(rng, GLAZES)
     diameter = uniform(rng, 0.10, 0.22, 4)
     recipe = TurnedVessel(
-        radii=radii,
-        straight=index % 4 == 3,
-        band=[0.3, 0.5] if index % 2 else [0.9, 0.999],
-        colour=color,
-        band_colour=shade(color, 0.6),
-        density=700.0,
-    )
+        radii=radii, straight=index % 4 == 3, band=[0.3, 0.5] if index % 2 else [0.9, 0.999], colour=color,
+        band_colour=shade(color, 0.6), density=700.0,
+    )  # fmt: skip
     return Sampled(round_size(diameter, diameter, diameter * rng.uniform(1.2, 2.4), digits=4), recipe)
 
 

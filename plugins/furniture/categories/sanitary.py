@@ -63,8 +63,7 @@ class Radiator(Generator):
             for b in (-0.62 * x, 0.62 * x) if k in (0, count - 1) else ():
                 leg = rod((b, a, 0), (b, a, foot + 0.02 * z), 0.2 * x, 0.16 * x)
                 parts.add(leg, self.colour, WATER, smooth=True)
-        core = box((-0.9 * x, 0.9 * x), (-0.98 * y, 0.98 * y), (foot, z))
-        parts[0] = replace(parts[0], collisions=(core,))
+        parts[0] = replace(parts[0], collisions=(box((-0.9 * x, 0.9 * x), (-0.98 * y, 0.98 * y), (foot, z)),))
         return parts
 
     def _towels(self, x: float, y: float, z: float) -> Parts:
@@ -190,14 +189,9 @@ class Sink(Generator):
 
 
 @category(
-    "sink",
-    templates=4,
-    names="basin, washbasin, wash basin, bathroom sink, kitchen sink, hand basin, lavabo",
-    like="washstand, faucet, tap",
-    kin="fixture",
-    carries="inside",
-    places="floor, top",
-)
+    "sink", templates=4, names="basin, washbasin, wash basin, bathroom sink, kitchen sink, hand basin, lavabo",
+    like="washstand, faucet, tap", kin="fixture", carries="inside", places="floor, top",
+)  # fmt: skip
 def sample_sink(rng: Rng, index: int) -> Sampled:
     """On a pedestal, on a cabinet, at the wall, of a kitchen."""
     style = ["pedestal", "bowl", "hung", "trough"][index % 4]
@@ -263,8 +257,5 @@ TANK = ((0.62, 0.36, 0.74), (0.7, 0.42, 0.84))
 TOILET = Category(
     name="toilet",
     sample=sized(Toilet, TANK, ((0.52, 0.35, 0.4), (0.58, 0.4, 0.44)), TANK, ((0.5, 0.35, 0.36), (0.56, 0.39, 0.42))),
-    templates=4,
-    names="wc, lavatory, loo, water closet, toilet bowl",
-    like="latrine, bidet, urinal",
-    kin="fixture",
-)
+    templates=4, names="wc, lavatory, loo, water closet, toilet bowl", like="latrine, bidet, urinal", kin="fixture",
+)  # fmt: skip

@@ -109,13 +109,9 @@ def sample_chair(rng: Rng, index: int) -> Sampled:
     size = round_size(rng.uniform(0.44, 0.56), rng.uniform(0.42, 0.5) + 0.08 * arms, rng.uniform(0.78, 1.05))
     frame = pick(rng, WOODS, PAINTS, METALS)
     recipe = Chair.sample_parameters(
-        rng,
-        index,
-        seat=round(0.45 / size[2], 3),
-        arms=arms,
-        frame_colour=frame,
+        rng, index, seat=round(0.45 / size[2], 3), arms=arms, frame_colour=frame,
         seat_colour=lambda: pick(rng, FABRICS) if rng.random() < 0.6 else frame,
-    )
+    )  # fmt: skip
     return Sampled(size, recipe)
 
 

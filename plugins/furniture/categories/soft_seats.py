@@ -99,14 +99,10 @@ def sample_armchair(rng: Rng, index: int) -> Sampled:
     size = round_size(rng.uniform(0.68, 0.82), rng.uniform(0.62, 0.8), rng.uniform(*tall))
     color = pick(rng, FABRICS)
     recipe = Armchair.sample_parameters(
-        rng,
-        index,
-        style=style,
-        seat=round(rng.uniform(0.4, 0.45) / size[2], 3),
-        arm_height=lambda: round(rng.uniform(0.56, 0.63) / size[2], 3),
-        colour=color,
+        rng, index, style=style, seat=round(rng.uniform(0.4, 0.45) / size[2], 3),
+        arm_height=lambda: round(rng.uniform(0.56, 0.63) / size[2], 3), colour=color,
         cushion_colour=lambda: color if rng.random() < 0.6 else pick(rng, FABRICS),
-    )
+    )  # fmt: skip
     return Sampled(size, recipe)
 
 
@@ -162,13 +158,9 @@ def sample_sofa(rng: Rng, index: int) -> Sampled:
     size = round_size(rng.uniform(0.8, 0.98), 0.45 + 0.55 * seats + rng.uniform(-0.05, 0.15), rng.uniform(0.7, 0.9))
     color = pick(rng, FABRICS)
     recipe = Sofa.sample_parameters(
-        rng,
-        index,
-        seats=seats,
-        pillows=lambda: seats > 1 and rng.random() < 0.6,
-        colour=color,
+        rng, index, seats=seats, pillows=lambda: seats > 1 and rng.random() < 0.6, colour=color,
         cushion_colour=lambda: color if rng.random() < 0.6 else pick(rng, FABRICS),
-    )
+    )  # fmt: skip
     return Sampled(size, recipe)
 
 
@@ -200,8 +192,7 @@ class Ottoman(Generator):
         if self.style == "cube":
             parts.add(cushion((-0.98 * x, -0.98 * y, low), (0.98 * x, 0.98 * y, seam), edge), self.colour, PADDED)
         else:
-            rail = box((-0.93 * x, 0.93 * x), (-0.93 * y, 0.93 * y), (0.8 * seam, seam))
-            parts.add(rail, self.foot_colour)
+            parts.add(box((-0.93 * x, 0.93 * x), (-0.93 * y, 0.93 * y), (0.8 * seam, seam)), self.foot_colour)
         for a in (-0.86 * x, 0.86 * x):
             for b in (-0.86 * y, 0.86 * y):
                 reach = low if self.style == "cube" else 0.8 * seam
@@ -210,19 +201,14 @@ class Ottoman(Generator):
 
 
 @category(
-    "ottoman",
-    templates=3,
-    names="pouf, pouffe, footstool, foot stool, hassock",
-    like="bean bag, beanbag",
-    kin="seat",
+    "ottoman", templates=3, names="pouf, pouffe, footstool, foot stool, hassock", like="bean bag, beanbag", kin="seat",
     carries="seat",
-)
+)  # fmt: skip
 def sample_ottoman(rng: Rng, index: int) -> Sampled:
     """Cubes with a lid, poufs, footstools."""
     wide = rng.uniform(0.42, 0.7)
     deep = wide * [rng.uniform(0.7, 1.0), 1.0, rng.uniform(0.65, 0.9)][index % 3]
-    size = round_size(deep, wide, rng.uniform(0.36, 0.47))
-    return Sampled(size, Ottoman.sample_parameters(rng, index))
+    return Sampled(round_size(deep, wide, rng.uniform(0.36, 0.47)), Ottoman.sample_parameters(rng, index))
 
 
 class Pillow(Generator):
@@ -258,18 +244,13 @@ def _pillow(x: float, y: float, z: float, pinch: float, flat: float) -> Trimesh:
     corner = np.arange((GRID + 1) ** 2).reshape(GRID + 1, GRID + 1)
     a, b, c, d = (corner[i : i + GRID, j : j + GRID].ravel() for i, j in ((0, 0), (1, 0), (1, 1), (0, 1)))
     up = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    down = up[:, ::-1] + corner.size
-    return Trimesh(np.concatenate(sheets), np.concatenate([up, down]), process=True)
+    return Trimesh(np.concatenate(sheets), np.concatenate([up, up[:, ::-1] + corner.size]), process=True)
 
 
 @category(
-    "cushion",
-    templates=4,
-    names="pillow, throw pillow, couch cushion, sofa cushion, seat cushion",
-    like="bolster, headrest",
-    kin="cloth",
-    places="top",
-)
+    "cushion", templates=4, names="pillow, throw pillow, couch cushion, sofa cushion, seat cushion",
+    like="bolster, headrest", kin="cloth", places="top",
+)  # fmt: skip
 def sample_cushion(rng: Rng, index: int) -> Sampled:
     """Square ones of sofas, long ones of beds, round ones of chairs."""
     wide = rng.uniform(0.38, 0.5)

@@ -95,9 +95,8 @@ def _sample_table(rng: Rng, index: int, legs: str, top: str, shelf: float) -> Ta
         same = rng.random() < 0.5 and finish_of(color).material in ("wood", "paint")
         return color if same else pick(rng, WOODS, METALS)
 
-    return Table.sample_parameters(
-        rng, index, top=top, legs=legs, shelf=shelf, top_colour=color, leg_colour=pick_leg_color
-    )
+    given = {"top": top, "legs": legs, "shelf": shelf, "top_colour": color, "leg_colour": pick_leg_color}
+    return Table.sample_parameters(rng, index, **given)
 
 
 @category("table", templates=5, count=10, like="counter, countertop, worktop, island", kin="table", carries="top")
@@ -106,26 +105,20 @@ def sample_table(rng: Rng, index: int) -> Sampled:
     legs = ["square", "tapered", "trestle", "pedestal", "splayed", "panels", "round"][index % 7]
     is_round = legs == "pedestal"
     x = rng.uniform(0.75, 0.95)
-    y = x if is_round else rng.uniform(1.0, 1.8)
-    size = round_size(x, y, rng.uniform(0.70, 0.78))
+    size = round_size(x, x if is_round else rng.uniform(1.0, 1.8), rng.uniform(0.70, 0.78))
     return Sampled(size, _sample_table(rng, index, legs, "round" if is_round else "rectangle", 0.0))
 
 
 @category(
-    "coffee_table",
-    templates=4,
-    count=10,
-    names="table coffee, low table, tea table, cocktail table, center table, centre table",
-    kin="table",
-    carries="top",
-)
+    "coffee_table", templates=4, count=10,
+    names="table coffee, low table, tea table, cocktail table, center table, centre table", kin="table", carries="top",
+)  # fmt: skip
 def sample_coffee_table(rng: Rng, index: int) -> Sampled:
     """Low tables, some with a shelf, some round."""
     legs = ["square", "splayed", "panels", "round"][index % 4]
     is_round = index % 4 == 1
     x = rng.uniform(0.5, 0.7)
-    y = x if is_round else rng.uniform(0.8, 1.2)
-    size = round_size(x, y, rng.uniform(0.35, 0.5))
+    size = round_size(x, x if is_round else rng.uniform(0.8, 1.2), rng.uniform(0.35, 0.5))
     shelf = [0.25, 0.0, 0.0, 0.25][index % 4]
     return Sampled(size, _sample_table(rng, index, legs, "round" if is_round else "rectangle", shelf))
 
@@ -174,10 +167,6 @@ class Bed(Generator):
 
 
 BED = Category(
-    name="bed",
-    sample=sized(Bed, ((1.95, 0.9, 0.75), (2.1, 1.1, 1.1)), ((1.95, 1.4, 0.75), (2.1, 1.7, 1.1))),
-    templates=3,
-    count=10,
-    kin="bed",
-    carries="seat",
-)
+    name="bed", sample=sized(Bed, ((1.95, 0.9, 0.75), (2.1, 1.1, 1.1)), ((1.95, 1.4, 0.75), (2.1, 1.7, 1.1))),
+    templates=3, count=10, kin="bed", carries="seat",
+)  # fmt: skip

@@ -43,12 +43,9 @@ class Can(Generator):
 
 
 @category(
-    "can",
-    templates=3,
-    names="tin, tin can, soda can, soup can, drink can, beer can, tuna can",
-    kin="dish",
+    "can", templates=3, names="tin, tin can, soda can, soup can, drink can, beer can, tuna can", kin="dish",
     places="top",
-)
+)  # fmt: skip
 def sample_can(rng: Rng, index: int) -> Sampled:
     """Of drinks, of soup, flat ones of fish."""
     if index % 2 == 0:
@@ -88,13 +85,9 @@ class WineGlass(Generator):
 
 
 @category(
-    "wine_glass",
-    templates=3,
-    names="wineglass, goblet, champagne glass, champagne flute, stemware, cocktail glass",
-    like="chalice, flute",
-    kin="dish",
-    places="top",
-)
+    "wine_glass", templates=3, names="wineglass, goblet, champagne glass, champagne flute, stemware, cocktail glass",
+    like="chalice, flute", kin="dish", places="top",
+)  # fmt: skip
 def sample_wine_glass(rng: Rng, index: int) -> Sampled:
     """Of wine, flutes, flat ones."""
     wide = [(0.07, 0.095), (0.052, 0.064), (0.085, 0.105)][index % 3]

@@ -79,16 +79,14 @@ class Mug(Generator):
         taper, belly = self.taper, self.belly
         shape = (taper + (1 - taper) * t) * (1 + belly * np.sin(np.pi * t))
         outer = [(radius * r / shape.max(), height * a) for r, a in zip(shape, t, strict=True)]
-        wall = min(self.wall, 0.2 * min(radius, height))
-        parts = hollow(outer, wall, self.colour, self.inside, CERAMIC)
+        parts = hollow(outer, min(self.wall, 0.2 * min(radius, height)), self.colour, self.inside, CERAMIC)
         parts += ear(radius, reach, self.handle * height, 0.52 * height, self.colour, self.angular)
         return Model(move_model(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
 
 
 def ear(radius: float, reach: float, height: float, z: float, color: Surface, angular: bool) -> list[Part]:
     """A bent handle of short convex pieces in the y-z plane."""
-    count = 3 if angular else 8
-    angles = np.linspace(-np.pi / 2, np.pi / 2, count + 1)
+    angles = np.linspace(-np.pi / 2, np.pi / 2, (3 if angular else 8) + 1)
     thick = min(0.009, 0.3 * reach, 0.2 * height)
     out, half = reach - thick / 2, (height - thick) / 2
     path = np.column_stack([radius * 0.93 + (out + 0.07 * radius) * np.cos(angles), z + half * np.sin(angles)])
@@ -132,8 +130,7 @@ class Plate(Generator):
 def sample_plate(rng: Rng, index: int) -> Sampled:
     """Small to large, flat to deep."""
     diameter = uniform(rng, 0.18, 0.28, 4)
-    color = pick(rng, GLAZES)
-    recipe = Plate.sample_parameters(rng, index, colour=color)
+    recipe = Plate.sample_parameters(rng, index, colour=pick(rng, GLAZES))
     return Sampled((diameter, diameter, uniform(rng, 0.018, 0.045, 4)), recipe)
 
 

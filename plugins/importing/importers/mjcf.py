@@ -36,9 +36,8 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     if model.ngeom > MOST_SHAPES:
         raise InputError(path, f"has {model.ngeom} shapes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
     if (free := int((model.jnt_type == mjtJoint.mjJNT_FREE).sum())) > 1:
-        raise InputError(
-            path, f"holds {free} free bodies: a scene, not a model.", "one file per model", code="E-MJCF-SCENE"
-        )
+        mend = "one file per model"
+        raise InputError(path, f"holds {free} free bodies: a scene, not a model.", mend, code="E-MJCF-SCENE")
     reader = _Reader(spec, model)
     links, joints = reader.tree()
     if not any(link.visuals for link in links.values()):
@@ -160,9 +159,8 @@ class _Reader:
         if self.has_visuals:
             seen = [geom for geom in seen if not self.collides[geom]] or seen
         visuals = [visual.transform(frames[geom]) for geom in seen for visual in self._visuals(geom)]
-        solid = [
-            transform_mesh(mesh, frames[geom]) for geom in geoms if self.collides[geom] for mesh in self._meshes(geom)
-        ]
+        touched = [geom for geom in geoms if self.collides[geom]]
+        solid = [transform_mesh(mesh, frames[geom]) for geom in touched for mesh in self._meshes(geom)]
         solid = solid or [visual.mesh for visual in visuals]
         pieces = [piece for mesh in solid for piece in convex_pieces(mesh)]
         mass = min(float(model.body_mass[body]), self.masses.get(body, 0.0))
@@ -182,8 +180,7 @@ class _Reader:
         elif kind == mjtGeom.mjGEOM_SPHERE:
             yield trimesh.creation.icosphere(2, size[0])
         elif kind == mjtGeom.mjGEOM_ELLIPSOID:
-            ball = trimesh.creation.icosphere(2)
-            yield transform_mesh(ball, np.diag([*size, 1.0]))
+            yield transform_mesh(trimesh.creation.icosphere(2), np.diag([*size, 1.0]))
         elif kind == mjtGeom.mjGEOM_CYLINDER:
             yield trimesh.creation.cylinder(size[0], 2 * size[1])
         elif kind == mjtGeom.mjGEOM_CAPSULE:
@@ -263,9 +260,8 @@ def _helper(name: str) -> Link:
 
 def _pose(position: Matrix, quaternion: Matrix) -> Matrix:
     """4x4 of a position and a quaternion w, x, y, z."""
-    return make_transform(
-        Rotation.from_quat(quaternion, scalar_first=True).as_matrix(), np.array(position, dtype=float)
-    )
+    rotation = Rotation.from_quat(quaternion, scalar_first=True)
+    return make_transform(rotation.as_matrix(), np.array(position, dtype=float))
 
 
 IMPORTER = Importer(read_mjcf, suffix=".xml")

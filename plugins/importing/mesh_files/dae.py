@@ -116,10 +116,8 @@ def _positions(vertex: ET.Element, named: dict[str, ET.Element]) -> Corners:
     source = named["" if position is None else position.get("source", "")]
     accessor, numbers = source.find("technique_common/accessor"), source.find("float_array")
     values = np.array((numbers.text or "").split() if numbers is not None else [], dtype=float)
-    stride, offset = (
-        (3, 0) if accessor is None else (int(accessor.get(k, d)) for k, d in (("stride", "3"), ("offset", "0")))
-    )
-    values = values[offset:]
+    stride = 3 if accessor is None else int(accessor.get("stride", "3"))
+    values = values[0 if accessor is None else int(accessor.get("offset", "0")) :]
     return values[: len(values) // stride * stride].reshape(-1, stride)[:, :3]
 
 

@@ -5,7 +5,10 @@ What a shape needs and trimesh does not read is refused by name; what only looks
 
 import io
 import json
+import struct
 import warnings
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,26 +20,23 @@ from trimesh import Scene
 from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from roomkin.plugins.importing.mesh_files.gltf_header import (
-    GLOSSY,
-    MOVED,
-    STRIP,
-    TRIANGLES,
-    Header,
-    check_counts,
-    check_indices,
-    check_tree,
-    join_file,
-    list_left_out,
-    refuse_unread,
-    split_file,
-)
 from roomkin.stages.articulated.mesh_resolver import MeshResolver
 from roomkin.stages.articulated.urdf_tree import MOST_SHAPES
-from roomkin.stages.contracts.errors import explain
+from roomkin.stages.contracts.errors import InputError, explain
 from roomkin.stages.contracts.generated import GAMMA
 
+Header = dict[str, Any]
 Numbers = NDArray[np.float64]
+MAGIC = b"glTF"
+INSTANCES, MOVED = "EXT_mesh_gpu_instancing", "KHR_texture_transform"
+GLOSSY, WEBP = "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp"  # which trimesh reads
+READ = {MOVED, GLOSSY, WEBP}
+LOOKS = ("KHR_materials_", "KHR_lights_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")  # not its shape
+INTEGERS = (5120, 5121, 5122, 5123)  # of up to two bytes, which shares of positions and normals are kept in
+TRIANGLES, STRIP, FAN = 4, 5, 6
+# Keys of numbers that are none below 0, where Python would count from the end: of parts of the file, counts, places.
+NATURAL = {"scene", "nodes", "children", "mesh", "material", "indices", "bufferView", "buffer", "source", "index",
+           "POSITION", "NORMAL", "count", "byteOffset", "byteLength", "byteStride"}  # fmt: skip
 LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}  # what is 1 in a normalized accessor, by component type
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 METAL = "pbrMetallicRoughness"
@@ -52,15 +52,15 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
         InputError: it has what is not read and changes its shape.
         ValueError: it is broken.
     """
-    header, binary = split_file(path.read_bytes())
+    data = path.read_bytes()
+    end = 20 + int.from_bytes(data[12:16], "little") if data[:4] == MAGIC else 0  # of the header of a .glb
+    header, binary = json.loads(data[20:end] if end else data), data[end:] if end else b""
     refuse_unread(path, header)
-    check_indices(header)
-    check_counts(header)
-    check_tree(header)
+    check_numbers(header)
     lines = list_left_out(header)
     said = _place_pictures(header.get("materials", []))
     primitives = _rename_attributes(header)
-    data = join_file(header, binary) if binary else json.dumps(header).encode()
+    data = _join_file(header, binary) if binary else json.dumps(header).encode()
     with warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)  # of a picture that is too large
         try:
@@ -72,6 +72,82 @@ def read_gltf(path: Path, files: MeshResolver) -> tuple[Scene, list[str]]:
     for mesh, primitive in zip(scene.geometry.values(), primitives, strict=True):
         said += _work_out(mesh, primitive, header, files)
     return scene, [f"{path.name} {line}" for line in dict.fromkeys([*said, *lines])]
+
+
+def check_numbers(header: Header) -> None:
+    """Refuse numbers below 0, and nodes below two others or twice in a scene, of which trimesh would show one.
+
+    Raises:
+        ValueError: names the first.
+    """
+    for key, value in _list_numbers(header):
+        if value < 0:
+            raise ValueError(f"its {key} is {value!r}")
+    places = [child for node in header.get("nodes", []) for child in node.get("children", [])]
+    for scene in header.get("scenes", []):
+        named = Counter([*places, *scene.get("nodes", [])])
+        if twice := [node for node, count in named.items() if count > 1]:
+            raise ValueError(f"its node {twice[0]} has two parents, or is twice in a scene")
+
+
+def _list_numbers(part: Any, key: str = "") -> Iterator[tuple[str, float]]:
+    """The numbers of a part of the header that stand under keys of `NATURAL`, each with its key."""
+    for name, inner in part.items() if isinstance(part, dict) else ((key, one) for one in part):
+        if isinstance(inner, dict | list) and name != "extras":
+            yield from _list_numbers(inner, name)
+        elif name in NATURAL and isinstance(inner, int | float):
+            yield name, inner
+
+
+def _join_file(header: Header, binary: bytes) -> bytes:
+    """A .glb of a header and what follows it."""
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<4sIII4s", MAGIC, 2, 20 + len(text) + len(binary), len(text), b"JSON") + text + binary
+
+
+def refuse_unread(path: Path, header: Header) -> None:
+    """Refuse a file with what changes its shape and is not read here.
+
+    Raises:
+        InputError: names it.
+    """
+    nodes, parts = header.get("nodes", []), [part for mesh in header.get("meshes", []) for part in mesh["primitives"]]
+    if len(nodes) > MOST_SHAPES:
+        raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
+    named = [part["attributes"].get(key) for part in parts for key in ("POSITION", "NORMAL")]
+    shaped = [one for number, one in enumerate(header.get("accessors", [])) if number in named]
+    found = {
+        "a version after 2.0": float(header.get("asset", {}).get("minVersion", 2)) > 2,
+        "quantised numbers": any(one.get("componentType") in INTEGERS for one in shaped),
+        "instances": any(INSTANCES in node.get("extensions", {}) for node in nodes),
+        "skins": any("skin" in node for node in nodes),
+        "morph targets": any("targets" in part for part in parts),
+        "triangle fans": any(part.get("mode") == FAN for part in parts),
+        "sparse accessors": any("sparse" in one for one in header.get("accessors", [])),
+        "hidden nodes": any("KHR_node_visibility" in node.get("extensions", {}) for node in nodes),
+        "compressed numbers": any("bufferView" not in one for one in header.get("accessors", [])),
+    }
+    names = [name for name, is_there in found.items() if is_there]
+    names += sorted(one for one in set(header.get("extensionsRequired", [])) - READ if not one.startswith(LOOKS))
+    if names:
+        mend = "re-export it with modifiers applied, as plain triangles, uncompressed"
+        raise InputError(path, f"has {', '.join(names)[:200]}, not read here.", mend, code="E-MESH-EXTENSION")
+
+
+def list_left_out(header: Header) -> list[str]:
+    """The parts of the file that are not read, in a line."""
+    scenes = len(header.get("scenes", []))
+    modes = [part.get("mode", TRIANGLES) for mesh in header.get("meshes", []) for part in mesh["primitives"]]
+    present = {
+        f"{scenes - 1} of its {scenes} scenes": scenes > 1,
+        "animations": bool(header.get("animations")),
+        "cameras": bool(header.get("cameras")),
+        "points or lines": any(mode not in (TRIANGLES, STRIP) for mode in modes),
+    }
+    names = [name for name, is_there in present.items() if is_there]
+    names += sorted(set(header.get("extensionsUsed", [])) - READ)
+    return [f"has what is not read: {', '.join(names)[:300]}"] if names else []
 
 
 def _pictures(material: Header) -> list[tuple[Header, str]]:

@@ -20,9 +20,8 @@ class RunFiles:
         self._paths = sorted({Path(path) for path in paths}, key=lambda path: sort_key(str(path)))
         for path in (*self._paths, *self.images.values()):
             if not path.exists():
-                raise InputError(
-                    path, "no such file.", "run the workflow: snakemake --cores 2 all", code="E-FILE-MISSING"
-                )
+                what = "no such file."
+                raise InputError(path, what, "run the workflow: snakemake --cores 2 all", code="E-FILE-MISSING")
 
     def find_all(self, pattern: str) -> list[Path]:
         """Files whose path ends like `pattern` ('*' stands for one name), in natural order."""

@@ -152,9 +152,8 @@ def _color_points(points: NDArray[np.float32], evidence: RoomResults) -> Pixels:
     if evidence.rgb is None:
         return np.full((len(points), 3), 110, dtype=np.uint8)
     objects = evidence.objects
-    seen = project(
-        transform_points(invert_transform(np.array(objects.floor_from_camera)), points), np.array(objects.intrinsics)
-    )
+    camera_from_floor = invert_transform(np.array(objects.floor_from_camera))
+    seen = project(transform_points(camera_from_floor, points), np.array(objects.intrinsics))
     columns, rows = np.nan_to_num(seen).round().astype(int).T
     return evidence.rgb[rows.clip(0, objects.height - 1), columns.clip(0, objects.width - 1)]
 

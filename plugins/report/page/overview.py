@@ -175,10 +175,9 @@ def row(scene: str, layout: RunFolders, page: str = "") -> SceneRow:
     in_order = sorted(scenes, key=lambda path: sort_key(path.name))
     found = Findings.read(done.get("extraction"), done.get("matching"), in_order)
     failures += [FailedObject(about, stage, reason) for about, (stage, reason) in found.failures().items()]
-    picture = base64.b64encode(done["drawing"].read_bytes()).decode("ascii") if "drawing" in done else ""
-    return SceneRow(
-        scene, page, picture and f"data:image/webp;base64,{picture}", found, failures, group_doubts(found.doubts())
-    )
+    data = base64.b64encode(done["drawing"].read_bytes()).decode("ascii") if "drawing" in done else ""
+    picture = data and f"data:image/webp;base64,{data}"
+    return SceneRow(scene, page, picture, found, failures, group_doubts(found.doubts()))
 
 
 def _last_line(logs: list[Path]) -> str:

@@ -111,9 +111,8 @@ def _target(
     files: RunFiles, target: str, chosen: Path | None, album: Album, snapshots: SnapshotShards, confidence: float
 ) -> TargetPart:
     plan = read_json(TaskAssets, chosen) if chosen else None
-    ledgers = sorted(
-        files.find_all(f"demonstrations/{target}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name)
-    )
+    ledgers = files.find_all(f"demonstrations/{target}/*/attempts.jsonl")
+    ledgers = sorted(ledgers, key=lambda path: set_key(path.parent.name))
     roles = {path.parent.name for path in ledgers}
     used = used_roles(plan, roles) if plan else {}
     thumbnails = [

@@ -140,11 +140,7 @@ def _verdict(row: dict[str, Any], name: str) -> str:
 
 
 def sentences(claims: pd.DataFrame | None, target: str, names: dict[str, str]) -> tuple[str, list[str]]:
-    """What cousins brought on unseen assets of a target in a line, and in a sentence for each of `names`.
-
-    Args:
-        names: policy -> what it is called.
-    """
+    """What cousins brought on unseen assets of a target in a line, and in a sentence for each policy of `names`."""
     rows = records(claims.query("target == @target and claim == 'unseen'")) if claims is not None else []
     rows = [row for row in rows if row["policy"] in names]
     if not rows:

@@ -127,9 +127,8 @@ def _rebuild(
 ) -> Reconstruction:
     folder, image = f"generation/{variant}/{name}", files.images.get(name)
     alt = f"Reconstruction of {title(name)} from cousins of rank"
-    pictures = [
-        album.add(files.find_first(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}") for scene in found.scenes
-    ]
+    ranks = [scene.rank for scene in found.scenes]
+    pictures = [album.add(files.find_first(f"{folder}/scene_{rank}.png"), f"{alt} {rank}") for rank in ranks]
     correct = shlex.join(["annotate", str(image and image.parent), "--scene", name, "--variant", variant])
     return Reconstruction(
         variant=variant,

@@ -42,11 +42,7 @@ def measure_camera(objects: Objects) -> CameraFacts:
 
 
 def draw_depth(path: Path, objects: Objects, album: Album) -> tuple[PagePicture, float, float] | None:
-    """Depth as a picture, with the nearest and the farthest distance; None where none is known.
-
-    Args:
-        path: objects.json, its depth.npz beside it.
-    """
+    """Depth beside objects.json as a picture, with the nearest and the farthest distance; None where none is known."""
     depth = read_metres(path, objects)
     if depth is None or not (depth > 0).any():
         return None

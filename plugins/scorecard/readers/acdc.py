@@ -23,14 +23,8 @@ def read(document: dict[str, Any]) -> RoomScene:
         pose = floor_from_view @ np.array(item["tf_from_cam"], dtype=float)
         mount = item.get("mount") or {}
         hangs = bool(mount.get("wall")) and not mount.get("floor")
-        things.append(
-            {
-                "name": str(item["category"]),
-                "center": pose[:3, 3].tolist(),
-                "size": [float(extent) for extent in item["bbox_extent"]],
-                "yaw": yaw_of_matrix(pose[:3, :3]),
-                "support": "wall" if hangs else None,
-            }
-        )
+        size = [float(extent) for extent in item["bbox_extent"]]
+        thing = {"name": str(item["category"]), "center": pose[:3, 3].tolist(), "size": size}
+        things.append(thing | {"yaw": yaw_of_matrix(pose[:3, :3]), "support": "wall" if hangs else None})
     room = {"frame": "floor", "floor_from_camera": (floor_from_view @ OPENGL).tolist(), "things": things}
     return RoomScene(SubmittedRoom.model_validate(room))

@@ -2,7 +2,10 @@
 
 from pathlib import Path
 
-from roomkin.plugins.scorecard.truth import About, RoomScene, SubmittedRoom
+import numpy as np
+
+from roomkin.plugins.scorecard.readers.solid import make_scene
+from roomkin.plugins.scorecard.truth import About, RoomScene
 from roomkin.stages.contracts import GeneratedScene, Objects, read_json
 
 
@@ -20,20 +23,8 @@ def read(path: Path, about: About) -> RoomScene:
     items = [item for item in scene.objects if item.status == "ok"]
     places = {item.id: str(place) for place, item in enumerate(items)} | {"floor": "floor", "wall": "wall"}
     things = [
-        {
-            "name": item.category,
-            "center": item.position,
-            "size": item.size,
-            "yaw": item.yaw,
-            "number": numbers.get(item.id),
-            "support": places.get(item.support),
-        }
+        {"name": item.category, "center": item.position, "size": item.size, "yaw": item.yaw}
+        | {"number": numbers.get(item.id), "support": places.get(item.support)}
         for item in items
     ]
-    room = {
-        "frame": "floor",
-        "floor_from_camera": scene.floor_from_camera,
-        "things": things,
-        "scale": "metric" if "depth" in about.given or "length" in about.given else "free",
-    }
-    return RoomScene(SubmittedRoom.model_validate(room))
+    return make_scene(things, np.array(scene.floor_from_camera), about)

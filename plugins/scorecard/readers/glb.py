@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from roomkin.plugins.scorecard.readers.solid import describe_solid
-from roomkin.plugins.scorecard.truth import About, RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.readers.solid import describe_solid, make_scene
+from roomkin.plugins.scorecard.truth import About, RoomScene
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.geometry.frames import OPENGL, Y_UP, invert_transform
 
@@ -54,14 +54,7 @@ def read(path: Path, about: About) -> RoomScene:
         things.append(thing)
     if not things:
         raise InputError(path.name, "has no node that is a thing.", "a node below the root for each", code="E-FORMAT")
-    metric = {"depth", "length"} & {*about.given}
-    room = {
-        "frame": "floor",
-        "floor_from_camera": (z_up @ camera @ OPENGL).tolist(),
-        "scale": "metric" if metric else "free",
-        "things": things,
-    }
-    return RoomScene(SubmittedRoom.model_validate(room), solids)
+    return make_scene(things, z_up @ camera @ OPENGL, about, solids)
 
 
 def _list_things(tree: dict[str, list[str]], root: str, shown: list[str]) -> list[str]:

@@ -7,13 +7,13 @@ from xml.etree import ElementTree
 
 import trimesh
 
-from roomkin.plugins.scorecard.readers.solid import describe_solid
-from roomkin.plugins.scorecard.truth import About, RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.readers.glb import CAMERAS
+from roomkin.plugins.scorecard.readers.solid import describe_solid, make_scene
+from roomkin.plugins.scorecard.truth import About, RoomScene
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.contracts.files import read_text
 from roomkin.stages.geometry.frames import OPENGL, make_transform
 
-CAMERAS = ("camera", "input_camera")
 FOLDERS = ("meshdir", "texturedir", "assetdir")
 
 
@@ -48,9 +48,7 @@ def read(path: Path, about: About) -> RoomScene:
             name = (mujoco.mj_id2name(world, mujoco.mjtObj.mjOBJ_BODY, body) or "thing").partition("/")[0]
             thing, solids[len(things)] = describe_solid(name, meshes, data.xmat[body].reshape(3, 3))
             things.append(thing)
-    room = {"frame": "floor", "floor_from_camera": (view @ OPENGL).tolist(), "things": things}
-    room["scale"] = "metric" if {"depth", "length"} & {*about.given} else "free"
-    return RoomScene(SubmittedRoom.model_validate(room), solids)
+    return make_scene(things, view @ OPENGL, about, solids)
 
 
 def check_confined(path: Path) -> None:
@@ -103,5 +101,4 @@ def _read_geom(world: Any, data: Any, geom: int) -> trimesh.Trimesh | None:
         solid = trimesh.creation.capsule(2 * size[1], size[0])
     else:
         return None
-    pose = make_transform(data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom])
-    return solid.apply_transform(pose)
+    return solid.apply_transform(make_transform(data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]))

@@ -6,6 +6,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from roomkin.plugins.scorecard.truth import About, RoomScene, SubmittedRoom
 from roomkin.stages.geometry.frames import make_transform, yaw_matrix
 
 Floats = NDArray[np.float64]
@@ -41,3 +42,18 @@ def describe_solid(
     size = np.maximum(high - low, THIN)
     thing = {"name": name, "center": (turn @ ((low + high) / 2)).tolist(), "size": size.tolist(), "yaw": yaw}
     return thing, whole.apply_translation(-(low + high) / 2)
+
+
+def make_scene(
+    things: list[dict[str, Any]], camera: Floats, about: About, solids: dict[int, trimesh.Trimesh] | None = None
+) -> RoomScene:
+    """A scene in a floor frame of its own, in metres if its method was given a length.
+
+    Args:
+        things: as a submission has them.
+        camera: (4, 4) its pose there: x right, y down, z forward.
+        solids: surfaces by place in `things`.
+    """
+    scale = "metric" if {"depth", "length"} & {*about.given} else "free"
+    room = {"frame": "floor", "floor_from_camera": camera.tolist(), "scale": scale, "things": things}
+    return RoomScene(SubmittedRoom.model_validate(room), solids or {})

@@ -9,8 +9,8 @@ import numpy as np
 import trimesh
 
 from roomkin.plugins.scorecard.readers.glb import CAMERAS, ROOM
-from roomkin.plugins.scorecard.readers.solid import describe_solid
-from roomkin.plugins.scorecard.truth import About, RoomScene, SubmittedRoom
+from roomkin.plugins.scorecard.readers.solid import describe_solid, make_scene
+from roomkin.plugins.scorecard.truth import About, RoomScene
 from roomkin.stages.contracts.errors import InputError
 from roomkin.stages.geometry.frames import OPENGL, Y_UP, invert_transform
 
@@ -60,14 +60,7 @@ def read(path: Path, about: About) -> RoomScene:
         raise InputError(path.name, "has no prim that is a thing.", "a prim below the root for each", code="E-FORMAT")
     if camera is None:
         raise InputError(path.name, "has no camera called 'camera'.", "add that of the picture", code="E-FORMAT")
-    metric = {"depth", "length"} & {*about.given}
-    room = {
-        "frame": "floor",
-        "floor_from_camera": (camera @ OPENGL).tolist(),
-        "scale": "metric" if metric else "free",
-        "things": things,
-    }
-    return RoomScene(SubmittedRoom.model_validate(room), solids)
+    return make_scene(things, camera @ OPENGL, about, solids)
 
 
 def check_alone(path: Path, layer: Sdf.Layer) -> None:

@@ -277,7 +277,7 @@ def test_what_has_no_volume_stands_as_its_box() -> None:
 
 def test_a_row_says_what_stands_for_the_things() -> None:
     rows = score(room(say(TABLE), say(CABINET)), {0: frame_of(TABLE.size)})
-    table = card.frame_things(list(rows.values()))
+    table = card.make_frame(list(rows.values()), scoring.ThingRow)
     assert card.describe_shapes(table) == "1 meshes, 1 boxes"
     assert card.describe_shapes(table.assign(shaped=False)) == "boxes"
     assert card.describe_shapes(table[table["shaped"]]) == "meshes"

@@ -102,12 +102,7 @@ def sample_scale(extents: Array) -> float:
 
 
 def fitting_scale(extents: Array, floor: Region, target: Target) -> float:
-    """The largest scale at which a bowl with these extents (3,) goes through an opened drawer and fits into it shut.
-
-    Args:
-        floor: of the drawer.
-        target: the drawer's joint.
-    """
+    """The largest scale at which a bowl with these extents (3,) goes through an opened drawer and fits into it shut."""
     across = 2 * float(floor.room.max()) - AROUND
     along = 0.9 * (target.upper - target.lower) - 2 * AROUND
     up = measure_headroom(floor, target.fixed) - ABOVE

@@ -122,7 +122,7 @@ def measure_turn(poses: Array, hand: Array) -> Array:
     return np.asarray(Rotation.from_matrix(poses[:, :3, :3] @ hand[:3, :3].T).magnitude())
 
 
-class PickSkill(CarrySkill):
+class Skill(CarrySkill):
     """Picks up the movable object from wherever it stands."""
 
     def attempt(self, motion: Motion, number: int) -> str:

@@ -49,7 +49,7 @@ def sample_placements(
 OVER = (0.06, 0.02)  # metres above what a held object is lifted over, tried in turn; chosen
 
 
-class PlaceSkill(CarrySkill):
+class Skill(CarrySkill):
     """Puts the object that the hand holds where the task wants it."""
 
     def is_done(self) -> bool:
@@ -93,6 +93,5 @@ class PlaceSkill(CarrySkill):
 
     def _rim(self) -> float:
         """Height of the moving part, base frame: a held object is carried over it."""
-        return float(
-            transform_points(self.task.env.base_from_asset(), self.task.env.target.moving.vertices)[:, 2].max()
-        )
+        env = self.task.env
+        return float(transform_points(env.base_from_asset(), env.target.moving.vertices)[:, 2].max())
