@@ -230,6 +230,10 @@ def stability(table: pd.DataFrame, published: pd.DataFrame) -> pd.DataFrame:
 
     A run is judged by its success on the very assets it was trained on, or on the twin if those were not tested (so
     the paper's).
+
+    Args:
+        table: as `table3.build` gives.
+        published: success of the paper's runs beside ours.
     """
     paper, rows = published_cells(published), []
     ran = table[table["status"] == "run"]

@@ -55,6 +55,10 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Given]:
 
     Not models: MJCF that others include; meshes that a URDF, MJCF, SDF or USD file names, and others beside these;
     meshes that lie or are called as parts beside a model that is not read.
+
+    Args:
+        folder: of the user.
+        kinds: suffixes of model files, the most telling first.
     """
     found, lines = json.loads(run_in_fork(folder, lambda: json.dumps(_discover(folder, kinds), default=str)))
     for line in lines:

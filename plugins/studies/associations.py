@@ -64,6 +64,9 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """A row per target, policy, trait and training set with `COLUMNS`: Spearman's correlation over assets.
 
     Its interval is a bootstrap over families of assets; ranks are those among all assets.
+
+    Args:
+        rollouts: rows of `Rollout` with the columns of `TRAITS`.
     """
     policies = of_splits(rollouts)
     policies = policies[policies["training_set"] != SKILL]
