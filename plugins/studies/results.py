@@ -36,14 +36,6 @@ from roomkin.stages.tables import policy_tables as table3_text
 from roomkin.stages.tables import table2, table3
 from roomkin.stages.tables.figures import figure6, save, style
 from roomkin.stages.tables.policies import collect, write_figures
-from roomkin.stages.tables.policy_tables import (
-    kinds_of,
-    policy_notes,
-    pool_of,
-    pool_rollouts,
-    read_pooled,
-    read_rollouts,
-)
 from roomkin.stages.tables.rows import ONE_SCENE, SKILL, SPLITS, published_scenes, read_rows, target_title, title
 from roomkin.stages.tables.table2 import scenes_table
 from roomkin.stages.tables.text import TextTable, write_csv
@@ -86,7 +78,7 @@ def _trainings(config: Config, results: Path) -> pd.DataFrame:
 
 def list_cells(config: Config) -> pd.DataFrame:
     """The cells that the study is to fill, with `table3.CELL`, task and cloud; targets pooled."""
-    experiment, pools = config.experiment, pool_of(policy_tables(config), config.experiment.targets)
+    experiment, pools = config.experiment, table3_text.pool_of(policy_tables(config), config.experiment.targets)
     cells = [
         (pools[target], policy, asset, name, experiment.task(target), config.task_of(target).cloud)
         for target, policy, name in experiment.cells
@@ -135,7 +127,7 @@ def _tabulate_conditions(config: Config, results: Path, usual: pd.DataFrame) -> 
         {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions},
         policy_tables(config),
     )
-    tested = [read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
+    tested = [table3_text.read_pooled(paths, options).assign(condition=name) for name, paths in found.items() if paths]
     if not tested:
         return []
     episodes = of_splits(pd.concat([usual.assign(condition=USUAL), *tested], ignore_index=True))
@@ -171,10 +163,13 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
 
 def _policies(config: Config, results: Path, published: Path, out: Path) -> StudyResults:
     options, trained = policy_tables(config), _trainings(config, results)
-    rows, kinds = read_rollouts(list(rollout_files(config, results)), options), kinds_of(options)
-    episodes, asked = pool_rollouts(rows, options), list_cells(config)
+    rows, kinds = (
+        table3_text.read_rollouts(list(rollout_files(config, results)), options),
+        table3_text.kinds_of(options),
+    )
+    episodes, asked = table3_text.pool_rollouts(rows, options), list_cells(config)
     found = collect(episodes, published, options, asked)
-    notes = [*policy_notes(options), *trainings.failed_note(trained)]
+    notes = [*table3_text.policy_notes(options), *trainings.failed_note(trained)]
     beside = more.collect(found, options)
     tables = more.asset_tables(beside, options, kinds, notes)
     tables += [table3_text.policies_table(found.cells, found.published, options, kinds, notes)]
@@ -183,7 +178,7 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
     tables += more.target_tables(rows, options, kinds)
     known = _with_traits(config, results, rows)
     if len(known):
-        tables.append(associations_table(associate(pool_rollouts(known, options), options)))
+        tables.append(associations_table(associate(table3_text.pool_rollouts(known, options), options)))
     tables += _tabulate_conditions(config, results, episodes)
     for target in config.experiment.targets:
         path = results / f"experiment/{config.experiment.policy_variant}/{target}/assets.json"
