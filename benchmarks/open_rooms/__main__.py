@@ -1,7 +1,7 @@
 """Other people's rooms: fetch models, render pictures, reconstruct them, score what came out (docs/results/open.md).
 
     python -m benchmarks.open_rooms fetch DIR          models of other projects (1 GB); needs Node
-    python -m benchmarks.open_rooms render DIR         47 pictures; needs Mitsuba 3: pip install mitsuba==3.9.1
+    python -m benchmarks.open_rooms render DIR         71 pictures; needs Mitsuba 3: pip install mitsuba==3.9.1
     python -m benchmarks.open_rooms run DIR            through the stages; --masks unaided: without a hand
     python -m benchmarks.open_rooms score DIR          docs/results/open.md and open.csv.xz
     python -m benchmarks.open_rooms make DIR           fetch, render, and DIR/rooms: a data set for any method

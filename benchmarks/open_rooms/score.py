@@ -243,9 +243,6 @@ def score(root: Path, results: Path, out: Path, version: str) -> None:
             if masks == "unaided":
                 steps += [row for folder in tried for row in list_steps(root, folder)]
     table = pd.DataFrame(rows).assign(version=version)
-    if (out / "open.csv.xz").is_file():  # rows of a set that is no longer made stay
-        before = pd.read_csv(out / "open.csv.xz", low_memory=False)
-        table = pd.concat([table, before[~before["half"].isin(packs.HALVES)]], ignore_index=True)
     out.mkdir(parents=True, exist_ok=True)
     table.to_csv(out / "open.csv.xz", index=False)
     if steps:

@@ -21,7 +21,7 @@ rule open_models:
     resources:
         **needs(2000, 60),
     params:
-        code=digest_of("fetch.py", "packs.py", "planner.js", "models.csv"),
+        code=digest_of("blend.py", "fetch.py", "packs.py", "planner.js", "models.csv"),
     shell:
         "python -m benchmarks.open_rooms fetch results/open_rooms 2>&1 | tee {log:q}"
 

@@ -1,6 +1,7 @@
 """The benchmark on other people's rooms: layout, sensor, outlines and score. Nothing is rendered."""
 
 import csv
+import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,6 +15,7 @@ from PIL import Image
 from shapely import Point
 
 from benchmarks.open_rooms import (
+    blend,
     fetch,
     gallery,
     packs,
@@ -293,9 +295,7 @@ def test_the_table_of_kinds_speaks_of_our_categories_and_of_all_models() -> None
     with (packs.HERE / "models.csv").open() as file:
         listed = list(csv.DictReader(file))
     assert {line["kind"] for line in listed} <= set(kinds)
-    assert {line["pack"] for line in listed} == {
-        pack for half in (packs.HALVES | packs.MIXED).values() for pack in half
-    }
+    assert {line["pack"] for line in listed} == {pack for half in packs.HALVES.values() for pack in half}
     drawn = {kind for plan in rooms.plans().values() for spot in plan["things"] for kind in spot["kinds"]}
     assert drawn <= set(kinds)
 
@@ -362,24 +362,24 @@ def test_sets_stand_beside_each_other_by_what_was_given() -> None:
 
 
 def test_what_no_picture_of_a_set_was_asked_is_not_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """`no-image` ran on `work` alone: one of its pictures stopped there, and none of `fourth` lacks it."""
+    """`no-image` ran on `work` alone: one of its pictures stopped there, and none of `third` lacks it."""
     asked: list[tuple[str, str]] = []
 
     def note(root: Path, folder: Path, masks: str, judge: str, folders: object) -> list[score.Row]:
         asked.append((folder.name, judge))
         return [row(1)]
 
-    for name in ("work_a", "work_b", "fourth_a"):
+    for name in ("work_a", "work_b", "third_a"):
         (tmp_path / "pictures" / name).mkdir(parents=True)
         (tmp_path / "results/drawn" / name).mkdir(parents=True)
-    for log in ("work_a/geometry.log", "work_a/no-image.log", "work_b/extraction.log", "fourth_a/geometry.log"):
+    for log in ("work_a/geometry.log", "work_a/no-image.log", "work_b/extraction.log", "third_a/geometry.log"):
         (tmp_path / "results/drawn" / log).touch()
     monkeypatch.setattr(score, "score_scene", note)
     monkeypatch.setattr(score, "AssetFolders", Path)
     monkeypatch.setattr(score.pictures, "folders", lambda root, half="": sorted((root / "pictures").glob(f"{half}*")))
     score.score(tmp_path, tmp_path, tmp_path / "out", "abc1234")
     assert set(asked) == {("work_a", "geometry"), ("work_a", "no-image"), ("work_b", "geometry"),
-                          ("work_b", "no-image"), ("fourth_a", "geometry")}  # fmt: skip
+                          ("work_b", "no-image"), ("third_a", "geometry")}  # fmt: skip
     assert "abc1234" in (tmp_path / "out/open.md").read_text()
 
 
@@ -440,22 +440,92 @@ def test_every_model_is_in_one_half_and_may_be_dressed_turned_and_scaled() -> No
         listed = list(csv.DictReader(file))
     halves = {pack: half for half, names in packs.HALVES.items() for pack in names}
     assert len(halves) == sum(map(len, packs.HALVES.values()))
-    ids = {model.id for half in (*packs.HALVES, *packs.MIXED) for model in packs.models(Path(), half)}
-    assert len(ids) == len(listed)
+    ids = [model.id for half in packs.HALVES for model in packs.models(Path(), half)]
+    assert len(ids) == len(set(ids)) == len(listed)
     for line in listed:
         assert line["frame"] in packs.FRAMES and float(line["scale"] or 1) > 0
         assert not line["looks"] or line["pack"] in packs.OBJS
     for turn in packs.FRAMES.values():
         assert np.linalg.det(turn) == pytest.approx(1) and np.allclose(turn @ turn.T, np.eye(4))
-    assert len({line["kind"] for line in listed if halves.get(line["pack"]) == "fourth"} - {"clutter"}) >= 15
+    for half in ("third", "fourth"):
+        assert len({line["kind"] for line in listed if halves[line["pack"]] == half} - {"clutter"}) >= 15
 
 
 def test_a_half_has_the_rooms_that_the_plans_say() -> None:
     assert rooms.names("work")[:4] == ["work_living_1", "work_living_2", "work_living_3", "work_lounge_1"]
     assert len(rooms.names("work")) == len(rooms.names("held_out")) == 15
+    assert len(rooms.names("third")) == 24 and len(set(rooms.names("third"))) == 24
     assert len(rooms.names("fourth")) == 17 and "fourth_kitchen_3" in rooms.names("fourth")
     assert {name.split("_")[1] for name in rooms.names("fifth")} == {"bedroom", "kitchen", "bath"}
     assert not any("bath" in name for half in packs.HALVES for name in [*rooms.names(half), *rooms.names(half, 1)])
+
+
+def write_blend(path: Path, moved: float) -> None:
+    """A .blend of 64 bits: a quad, 2 by 1, and a triangle; their object hangs on another and is `moved` in x."""
+    structs = {
+        "ID": [("char", "name[66]")],
+        "Object": [
+            ("ID", "id"),
+            ("float", "obmat[4][4]"),
+            ("Object", "*parent"),
+            ("Mesh", "*data"),
+            ("Material", "**mat"),
+        ],
+        "Mesh": [("ID", "id"), ("MVert", "*mvert"), ("MFace", "*mface"), ("MTFace", "*mtface"), ("Material", "**mat")],
+        "MVert": [("float", "co[3]"), ("short", "no[3]")],
+        "MFace": [("int", "v1"), ("int", "v2"), ("int", "v3"), ("int", "v4"), ("short", "mat_nr")],
+        "MTFace": [("float", "uv[4][2]")],
+        "Material": [("ID", "id"), ("float", "r"), ("float", "g"), ("float", "b"), ("MTex", "*mtex[18]")],
+        "MTex": [("char", "none")],
+    }
+    sizes = {"char": 1, "short": 2, "int": 4, "float": 4, "ID": 66, "MVert": 18, "MFace": 18, "MTFace": 32, "MTex": 1}
+    sizes |= {"Object": 66 + 64 + 24, "Mesh": 66 + 32, "Material": 66 + 12 + 18 * 8}
+    types, fields = list(sizes), sorted({name for rows in structs.values() for _, name in rows})
+
+    def words(code: bytes, items: list[str]) -> bytes:
+        body = code + struct.pack("<I", len(items)) + b"".join(item.encode() + b"\0" for item in items)
+        return body + b"\0" * (-len(body) % 4)
+
+    dna = b"SDNA" + words(b"NAME", fields) + words(b"TYPE", types) + b"TLEN"
+    lengths = struct.pack(f"<{len(types)}H", *sizes.values())
+    dna += lengths + b"\0" * (-len(lengths) % 4) + b"STRC" + struct.pack("<I", len(structs))
+    for name, rows in structs.items():
+        dna += struct.pack("<HH", types.index(name), len(rows))
+        dna += b"".join(struct.pack("<HH", types.index(kind), fields.index(field)) for kind, field in rows)
+
+    def named(name: str) -> bytes:
+        return name.encode().ljust(66, b"\0")
+
+    place = np.eye(4, dtype="<f4")
+    place[3, 0] = moved
+    points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
+    uv = struct.pack("<8f", 0, 0, 1, 0, 1, 1, 0, 1)
+    blocks = [
+        (1, "Object", 1, named("OBtable") + np.eye(4, dtype="<f4").tobytes() + struct.pack("<QQQ", 0, 0, 0)),
+        (2, "Object", 1, named("OBtop") + place.tobytes() + struct.pack("<QQQ", 1, 3, 0)),
+        (3, "Mesh", 1, named("MEtop") + struct.pack("<4Q", 4, 5, 6, 7)),
+        (4, "MVert", 4, b"".join(struct.pack("<3f3h", *point, 0, 0, 0) for point in points)),
+        (5, "MFace", 2, struct.pack("<4ih", 0, 1, 2, 3, 0) + struct.pack("<4ih", 0, 1, 2, 0, 1)),
+        (6, "MTFace", 2, uv + uv),
+        (7, "ID", 1, struct.pack("<QQ", 8, 0)),
+        (8, "Material", 1, named("MAred") + struct.pack("<3f", 0.8, 0.1, 0.2) + b"\0" * 18 * 8),
+    ]
+    body = b"".join(
+        struct.pack("<4sIQII", b"DATA", len(data), where, list(structs).index(kind), count) + data
+        for where, kind, count, data in blocks
+    )
+    path.write_bytes(b"BLENDER-v262" + body + struct.pack("<4sIQII", b"DNA1", len(dna), 99, 0, 1) + dna)
+
+
+def test_meshes_are_read_out_of_a_blend(tmp_path: Path) -> None:
+    write_blend(tmp_path / "props.blend", 5.0)
+    red, plain = blend.read_pieces(tmp_path / "props.blend", "table")
+    assert red.corners.shape == (2, 3, 3) and plain.corners.shape == (1, 3, 3)  # two of a quad, one of a triangle
+    assert np.ptp(red.corners.reshape(-1, 3), axis=0) == pytest.approx([2, 1, 0])
+    assert red.corners[..., 0].min() == pytest.approx(5)
+    assert red.color == pytest.approx((0.8, 0.1, 0.2)) and red.picture is None
+    assert red.uv is not None and red.uv[0] == pytest.approx(np.array([(0, 0), (1, 0), (1, 1)]))
+    assert not list(blend.read_pieces(tmp_path / "props.blend", "chair"))
 
 
 def test_groups_of_an_obj_get_their_looks(tmp_path: Path) -> None:
