@@ -125,7 +125,7 @@ def test_the_classifier_says_what_the_published_code_says() -> None:
 
 def test_weights_that_are_not_installed_or_others_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     with monkeypatch.context() as without:
-        without.setattr("importlib.metadata.distribution", absent)
+        without.setattr(network, "distribution", absent)
         with refused("E-WEIGHTS-MISSING"):
             network.load()
     torch.save(published(), file := tmp_path / "lite0.pth")
