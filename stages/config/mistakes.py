@@ -11,6 +11,7 @@ from roomkin.stages.contracts.errors import InputError, suggest_nearest
 from roomkin.stages.contracts.section import UNFIT
 
 M = TypeVar("M", bound=BaseModel)
+GONE = ("dbscan_eps", "dbscan_min_points", "approach_speed")  # options of earlier versions
 
 
 class Mistake(NamedTuple):
@@ -96,7 +97,8 @@ def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "")
         if detail["type"] == "extra_forbidden":
             what, code = "unknown key", "E-CONFIG-KEY"
             moved = tell_section(str(path[0]), detail["input"]) if len(path) == 1 else ""
-            mend = moved or _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
+            gone = "leave it out: it is no option any more" if path[-1] in GONE else ""
+            mend = moved or gone or _find_meant_key(str(path[-1]), _model_at(root, path[:-1]), root)
         elif detail["type"] == UNFIT:
             mend = detail["ctx"]["mend"]
         elif detail["type"] != "value_error":

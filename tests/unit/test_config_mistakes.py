@@ -485,6 +485,8 @@ def test_only_the_categories_that_are_named() -> None:
         ("learning_rate: 0.1", "training.configs.*.learning_rate"),
         ("experiment: {folders: [mine]}", "assets.folders"),
         ("evaluation: {episodes: 3}", "experiment.episodes"),
+        ("extraction: {dbscan_eps: 0.1}", "leave it out: it is no option any more"),
+        ("demonstrations: {approach_speed: [0.5, 1]}", "leave it out: it is no option any more"),
     ],
 )
 def test_an_unknown_key_names_the_one_that_was_meant(text: str, meant: str) -> None:
