@@ -128,7 +128,11 @@ def shorten_name(name: str) -> str:
 
 
 def load(kind: str, name: str) -> Any:
-    """Import what `find` found: the class, function or value that the module defines."""
+    """Import what `find` found: the class, function or value that the module defines.
+
+    Raises:
+        InputError: there is no such module, or it defines no such thing.
+    """
     module, symbol = qualify_module(kind, name if "." in name else find(kind, name)), KINDS[kind].symbol
     try:
         implementation = getattr(importlib.import_module(module), symbol, None)

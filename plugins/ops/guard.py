@@ -87,7 +87,11 @@ def is_taken_over() -> bool:
 
 
 def stop_if_taken_over(path: Path) -> None:
-    """Refuse to put a result into its place in a folder that another workflow has taken over."""
+    """Refuse to put a result into its place in a folder that another workflow has taken over.
+
+    Raises:
+        InputError: it has.
+    """
     if is_taken_over():
         raise InputError(path, "is not written: another workflow has taken over this folder.", code="E-FOLDER-TAKEN")
 

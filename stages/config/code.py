@@ -154,7 +154,11 @@ def forget() -> None:
 
 
 def files_digest(names: Iterable[str]) -> str:
-    """Digest (12 hex digits) of files and of all files below folders, by name and content."""
+    """Digest (12 hex digits) of files and of all files below folders, by name and content.
+
+    Raises:
+        FileNotFoundError: one of them does not exist.
+    """
     digest = hashlib.sha256()
     for name in names:
         given = Path(name)

@@ -60,7 +60,11 @@ def defaults(folder: Path) -> Iterator[Path]:
 
 
 def read_file(path: Path) -> dict[str, Any]:
-    """The mapping that a config file holds, YAML or JSON; an `InputError` names file and line."""
+    """The mapping that a config file holds, YAML or JSON.
+
+    Raises:
+        InputError: it is not there, is no YAML, gives a key twice, or holds no mapping; file and line are named.
+    """
     text = read_text(path, "it should be text in UTF-8 that you may read" if path.exists() else "")
     try:
         content = json.loads(text)  # which may have tabs

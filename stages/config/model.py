@@ -149,7 +149,11 @@ def with_defaults(config: dict[str, Any]) -> dict[str, Any]:
 
 
 def read_files(files: Iterable[Path]) -> Config:
-    """The config of a run with these files over the defaults, later ones over earlier ones."""
+    """The config of a run with these files over the defaults, later ones over earlier ones.
+
+    Raises:
+        InputError: a file cannot be read, or the config has mistakes.
+    """
     return load(with_defaults(reduce(merge_mappings, map(read_file, files), {})))
 
 

@@ -82,7 +82,11 @@ def rule_files(on: Mapping[str, bool]) -> list[str]:
 
 
 def check_targets(asked: Collection[str], on: Mapping[str, bool], image: str = "") -> None:
-    """Refuse targets of packages that are off, and the one of a picture without a picture."""
+    """Refuse targets of packages that are off, and the one of a picture without a picture.
+
+    Raises:
+        InputError: one is asked for; the message names its package, or how a picture is given.
+    """
     if "photo" in asked and not image:
         mend = "snakemake --cores 2 photo --config image=kitchen.jpg"
         raise InputError("image", "there is no picture.", mend, code="E-CONFIG-FILE")

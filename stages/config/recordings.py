@@ -31,7 +31,11 @@ def name_picture(path: Path) -> str:
 
 
 def list_frames(path: Path) -> list[tuple[Path, Path]]:
-    """Color and depth of every frame of a recording, in its order; `InputError`: no known layout, or a broken one."""
+    """Color and depth of every frame of a recording, in its order.
+
+    Raises:
+        InputError: no known layout, or a broken one.
+    """
     if is_tum(path):
         return _list_of_tum(path)
     if folders := list_folders(path):
@@ -46,7 +50,11 @@ def list_frames(path: Path) -> list[tuple[Path, Path]]:
 
 
 def list_folders(path: Path) -> tuple[list[Path], list[Path]] | None:
-    """The files of the folders of color and depth, if there are such; several of color are refused."""
+    """The files of the folders of color and depth, if there are such.
+
+    Raises:
+        InputError: there are several of color.
+    """
     colors = [path / name for name in COLOR if (path / name).is_dir()]
     if not colors or not (path / "depth").is_dir():
         return None
@@ -61,7 +69,11 @@ def is_tum(path: Path) -> bool:
 
 
 def _list_of_tum(path: Path) -> list[tuple[Path, Path]]:
-    """Every picture of TUM with the depth image nearest in time, 20 ms apart at most (its associate.py)."""
+    """Every picture of TUM with the depth image nearest in time, 20 ms apart at most (its associate.py).
+
+    Raises:
+        InputError: there is none, a list is broken, or it names a file outside of the recording.
+    """
     with explain_unreadable(path / "rgb.txt", "list of a TUM recording"):
         colors = _read_stamps(path / "rgb.txt")
         depths = sorted(_read_stamps(path / "depth.txt"), key=lambda one: one[0])

@@ -86,7 +86,11 @@ def is_there(weights: Weights, folder: Path = FOLDER) -> bool:
 
 
 def find_weights(weights: Weights, folder: Path = FOLDER) -> Path:
-    """The file; `InputError`: it is not there, or another one."""
+    """The file.
+
+    Raises:
+        InputError: it is not there, or another one.
+    """
     if not is_there(weights, folder):
         what = f"is not there, or is not the published one of {weights.size} bytes."
         raise InputError(folder / weights.name, what, "roomkin perception fetch", code="E-WEIGHTS-MISSING")
@@ -107,7 +111,11 @@ def list_lacking(wanted: Sequence[Weights] = LOOKING, folder: Path = FOLDER) -> 
 
 
 def check_folder(folder: str, key: str) -> None:
-    """Refuse a folder that is not there with its files; `key`: of the config."""
+    """Check that the folder is there with its files.
+
+    Raises:
+        InputError: it is not; `key`: of the config.
+    """
     fix = f"put config.json and model.safetensors into a folder and name it in {key}"
     if not folder:
         what = "is empty, and nothing works here without pretrained weights."

@@ -39,14 +39,22 @@ def explain_unreadable(path: Path, what: str, fix: str = "") -> Iterator[None]:
 
 
 def check_file(path: Path, fix: str = "") -> None:
-    """Refuse what is there and would be read for ever (see `files.check_file`), or fill the memory."""
+    """Refuse what is there and would be read for ever, or fill the memory.
+
+    Raises:
+        InputError: a folder, a pipe or a device, or more than `MAX_BYTES`.
+    """
     files.check_file(path, fix)
     if path.exists() and (size := path.stat().st_size) > MAX_BYTES:
         raise InputError(path, f"has {size / 1e9:.1f} GB.", fix, code="E-FILE-LARGE")
 
 
 def read_npz(path: Path, fix: str = "") -> dict[str, NDArray[Any]]:
-    """All arrays of an npz file; `InputError`: it is missing, broken, too large, or holds pickled objects."""
+    """All arrays of an npz file.
+
+    Raises:
+        InputError: it is missing, broken, holds pickled objects, or would fill the memory.
+    """
     with explain_unreadable(path, "npz file", fix), np.load(path, allow_pickle=False) as arrays:
         size = sum(entry.file_size for entry in arrays.zip.infolist())
         if size > MAX_BYTES:

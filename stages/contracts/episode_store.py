@@ -24,7 +24,11 @@ disordered = partial(InputError, code="E-LEDGER-ORDER")
 
 
 def read_attempts(path: Path) -> list[Attempt]:
-    """attempts.jsonl: numbered from 0 without gaps, and so are the episodes that were kept; else an `InputError`."""
+    """attempts.jsonl: numbered from 0 without gaps, and so are the episodes that were kept.
+
+    Raises:
+        InputError: it is missing or empty, or a line is broken or out of order.
+    """
     attempts = read_lines(Attempt, path, AGAIN)
     kept = 0
     for number, attempt in enumerate(attempts):
@@ -39,7 +43,11 @@ def read_attempts(path: Path) -> list[Attempt]:
 
 
 def read_metrics(path: Path) -> list[dict[str, float | None]]:
-    """The lines of metrics.jsonl: finite numbers by name, among them a growing `step`; else an `InputError`."""
+    """The lines of metrics.jsonl: finite numbers by name, among them a growing `step`.
+
+    Raises:
+        InputError: it is missing or empty, or a line is broken (file and line named).
+    """
     lines = [line.root for line in read_lines(MetricsLine, path, TRAIN)]
     for number, (one, next) in enumerate(pairwise(lines), 2):
         if next["step"] <= one["step"]:  # type: ignore[operator]

@@ -18,7 +18,11 @@ MAKE_SNAPSHOTS = "run `roomkin assets snapshots` again"
 
 
 def open_snapshots(path: Path) -> tuple[SnapshotShard, h5py.File]:
-    """The sidecar of a shard (`path` with .h5 or .json) and its file, open and of the shape that it says, not read."""
+    """The sidecar of a shard (`path` with .h5 or .json) and its file, open for reading; the pictures are not read yet.
+
+    Raises:
+        InputError: one is missing or broken, or arrays are not as the sidecar says.
+    """
     sidecar = read_json(SnapshotShard, path.with_suffix(".json"), MAKE_SNAPSHOTS)
     path = path.with_suffix(".h5")
     with explain_unreadable(path, "snapshot file", MAKE_SNAPSHOTS):
@@ -71,7 +75,11 @@ class FeatureIndex(Document):
 
 
 def open_features(path: Path) -> tuple[FeatureIndex, NDArray[Any]]:
-    """The index of a shard (`path` with .npy or .json) and its rows, as many as it says, still on disk."""
+    """The index of a shard (`path` with .npy or .json) and its rows, still on disk.
+
+    Raises:
+        InputError: one is missing or broken, or there are not as many rows as the index says.
+    """
     index = read_json(FeatureIndex, path.with_suffix(".json"), MAKE_FEATURES)
     path = path.with_suffix(".npy")
     with explain_unreadable(path, "npy file", MAKE_FEATURES):
@@ -81,7 +89,11 @@ def open_features(path: Path) -> tuple[FeatureIndex, NDArray[Any]]:
 
 
 def open_companion(path: Path, index: FeatureIndex, rows: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """The arrays beside the rows of a shard (`path` with .npz): `wholes`, and for compressed rows their codec."""
+    """The arrays beside the rows of a shard (`path` with .npz): `wholes`, and for compressed rows their codec.
+
+    Raises:
+        InputError: it is missing or broken, or arrays do not fit each other.
+    """
     path = path.with_suffix(".npz")
     parts = read_npz(path, MAKE_FEATURES)
     if (rows.dtype.kind == "i") != ("components" in parts):

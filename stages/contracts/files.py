@@ -122,7 +122,11 @@ def check_version(path: Path, text: str, fix: str) -> None:
 
 
 def check_file(path: Path, fix: str = "") -> None:
-    """Refuse a folder, a pipe or a device: a pipe would be read for ever."""
+    """Refuse what is there and is no file: a pipe would be read for ever.
+
+    Raises:
+        InputError: it is a folder, a pipe or a device.
+    """
     if path.exists() and not path.is_file():
         raise InputError(path, "is no file, but a folder, a pipe or a device.", fix, code="E-FILE-UNREADABLE")
 
@@ -151,7 +155,11 @@ def read_text(path: Path, fix: str = "") -> str:
 
 
 def read_json(model: type[M], path: Path, fix: str = "") -> M:
-    """Read and validate one contract file; an `InputError` names file and field."""
+    """Read and validate one contract file.
+
+    Raises:
+        InputError: the file is missing, is not JSON, or breaks its contract (file and field named).
+    """
     return parse_json(model, read_text(path, fix), path, fix)
 
 
@@ -166,7 +174,11 @@ def parse_json(model: type[M], text: str, path: Path, fix: str = "") -> M:
 
 
 def read_lines(model: type[M], path: Path, fix: str = "") -> list[M]:
-    """A file with one JSON document per line, at least one; an `InputError` names file, line and field."""
+    """A file with one JSON document per line, at least one.
+
+    Raises:
+        InputError: it is missing or empty, or a line breaks the contract (file, line and field named).
+    """
     rows = []
     for number, line in enumerate(read_text(path, fix).splitlines(), 1):
         try:

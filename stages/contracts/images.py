@@ -33,7 +33,11 @@ Color = tuple[int, int, int]
 
 @contextmanager
 def open_picture(path: Path) -> Iterator[Image.Image]:
-    """The picture, not decoded yet; `InputError`: none, several in one file, or one of absurd size."""
+    """The picture, not decoded yet.
+
+    Raises:
+        InputError: no picture, several in one file, or one of absurd size.
+    """
     check_file(path)
     if not path.is_file():
         raise file_missing(path, FOLDER)
@@ -64,7 +68,11 @@ def open_picture(path: Path) -> Iterator[Image.Image]:
 
 
 def read_upright(path: Path) -> Image.Image:
-    """The picture of `open_picture`, decoded and turned as its EXIF data say."""
+    """The picture, decoded and turned as its EXIF data say.
+
+    Raises:
+        InputError: as `open_picture`.
+    """
     with open_picture(path) as image:
         image.load()
         turned = ImageOps.exif_transpose(image)
@@ -110,7 +118,11 @@ def to_srgb(image: Image.Image) -> Image.Image:
 
 
 def read_narrow(path: Path, width: int) -> Image.Image:
-    """The picture of `read_rgb`, no wider than `width` pixels."""
+    """The picture upright as RGB (transparency on white), no wider than `width` pixels.
+
+    Raises:
+        InputError: the file is missing or no picture.
+    """
     picture = Image.fromarray(read_rgb(path))
     picture.thumbnail((width, max(width, picture.height)), Image.Resampling.LANCZOS)
     return picture
@@ -127,7 +139,11 @@ def orientation_of(path: Path) -> int:
 
 
 def check_shown(path: Path, rgb: NDArray[np.uint8]) -> None:
-    """Refuse a picture (H, W, 3) that shows nothing: black, white, or transparent all over."""
+    """Refuse a picture (H, W, 3) that shows nothing: black, white, or transparent all over.
+
+    Raises:
+        InputError: it is all of one color.
+    """
     if float(rgb.std(axis=(0, 1)).max()) < MIN_CONTRAST:
         what = "shows nothing: it is all of one color."
         raise InputError(path, what, "take another photograph", code="E-PICTURE-BLANK")
@@ -225,7 +241,11 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
 
 
 def check_depth(path: Path, values: NDArray[np.floating]) -> None:
-    """Refuse inverse depth and z-buffers (H, W): as depth they give things of no size and place."""
+    """Refuse inverse depth and z-buffers (H, W): as depth they give things of no size and place.
+
+    Raises:
+        InputError: it is.
+    """
     if is_inverse(values):
         what = "looks like inverse depth: it grows towards the lower border, and floors and walls are flat in it."
         fix = "store depth in metres: 1 / values for disparity, by the scale of its network"

@@ -131,14 +131,22 @@ class TaskAssets(Document):
         return {"dissimilar", *(f"cousin_{number}" for number in self.held_out)}
 
     def find_asset(self, role: str, where: Path) -> TaskAsset:
-        """The asset of a role; the `InputError` names the roles that the file `where` has."""
+        """The asset of a role.
+
+        Raises:
+            InputError: there is none in the file `where`; the message names the roles there are.
+        """
         by_role = {asset.role: asset for asset in self.assets}
         if role not in by_role:
             raise InputError(where, f"has no role '{role}' (it has {', '.join(by_role)}).", code="E-ROLE-MISSING")
         return by_role[role]
 
     def assets_of(self, role: str, where: Path) -> list[TaskAsset]:
-        """The assets whose demonstrations make up the store of a role, randomised or not: one, or for `all` many."""
+        """The assets whose demonstrations make up the store of a role, randomised or not: one, or for `all` many.
+
+        Raises:
+            InputError: there are none in the file `where`.
+        """
         name = strip_randomised(role)
         rule = name.partition("_")[0]
         if rule in DRAWN:

@@ -77,7 +77,11 @@ def _is_full(path: Path) -> bool:
 
 
 def check_writable(*folders: Path) -> None:
-    """Refuse folders that nothing can be written into, before a workflow starts. What is not there yet will be made."""
+    """Refuse folders that nothing can be written into, before a workflow starts. What is not there yet will be made.
+
+    Raises:
+        InputError: names the first.
+    """
     for folder in folders:
         if folder.exists() and not os.access(folder, os.W_OK | os.X_OK):
             mend = "choose a folder that can be written, or change its permissions"

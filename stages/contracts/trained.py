@@ -96,7 +96,11 @@ def read_config(folder: Path) -> TrainedPolicy:
 
 
 def check_weights(path: Path, trained: TrainedPolicy) -> Shapes:
-    """Shapes by name of one file of weights; all finite, with the normaliser, and as many as config.json says."""
+    """Shapes by name of one file of weights; all finite, with the normaliser, and as many as config.json says.
+
+    Raises:
+        InputError: it is missing, broken, or another network's.
+    """
     from safetensors import safe_open  # the report's image reads policies' configs without it
 
     shapes: Shapes = {}

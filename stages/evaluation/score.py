@@ -15,7 +15,11 @@ from roomkin.stages.evaluation.scoring import score_scene
 
 
 def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Truth) -> None:
-    """Refuse files of different rooms."""
+    """All files must be of one room.
+
+    Raises:
+        InputError: they are not.
+    """
     names = {scene.scene for scene in scenes} | {objects.scene, truth.scene}
     if len(names) > 1:
         what = f"are of different scenes: {', '.join(sorted(names))}."
@@ -23,7 +27,11 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
 
 
 def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], categories: Mapping[str, str]) -> None:
-    """Refuse models of other categories than the library knows by their ids."""
+    """Models are of the categories that the library knows by their ids.
+
+    Raises:
+        InputError: one is not.
+    """
     for item in items:
         known = categories.get(item.asset, item.category)
         if item.category != known:
@@ -32,7 +40,11 @@ def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], cat
 
 
 def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
-    """Who decided on model and orientation of each object, as columns of its row; refuses another scene's cousins."""
+    """Who decided on model and orientation of each object, as columns of its row.
+
+    Raises:
+        InputError: the cousins are those of another scene.
+    """
     if cousins is None:
         return {}
     found = read_json(Cousins, cousins)

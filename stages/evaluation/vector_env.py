@@ -156,7 +156,11 @@ class VectorEnv:
         return self._tasks[:count]
 
     def folder(self, asset: TaskAsset) -> Path:
-        """The asset's folder in the library, which must have it."""
+        """The asset's folder in the library.
+
+        Raises:
+            InputError: the library does not have it.
+        """
         if asset.asset not in self.folders:
             what = f"has no asset '{asset.asset}'."
             raise InputError(self.library, what, "run the matching stage again", code="E-LIBRARY-ASSET")

@@ -90,7 +90,11 @@ def doubt_name(proposals: Sequence[LikelyName | Name]) -> list[Doubt]:
 
 
 def check_folder(folder: Path, digest: str) -> None:
-    """Refuse an input folder that holds another picture than that of the file of this SHA-256."""
+    """Refuse an input folder that holds another picture than that of the file of this SHA-256.
+
+    Raises:
+        InputError: it does.
+    """
     camera = folder / "camera.json"
     known = read_json(Camera, camera) if camera.is_file() else None
     if known is not None and digest and known.digest not in ("", digest):

@@ -21,7 +21,11 @@ Kinds = Mapping[str, str]  # policy -> what it is, in words
 
 
 def read_rollouts(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:
-    """All rows of some files of `Rollout`, looked over by `check_methods`."""
+    """All rows of some files of `Rollout`.
+
+    Raises:
+        InputError: rows of a policy are of several checkpoints, or of more runs than selection rollouts choose.
+    """
     rollouts = read_rows(Rollout, paths, ONE_TEST)
     check_methods(rollouts, options)
     return rollouts

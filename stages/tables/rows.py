@@ -116,7 +116,11 @@ def read_rows(model: type[BaseModel], paths: Sequence[Path], one_file: list[str]
 
 
 def read_table(path: Path, columns: list[str], text: Sequence[str] = ()) -> pd.DataFrame:
-    """A CSV table that has at least `columns`; the columns in `text` stay text, missing values there are ''."""
+    """A CSV table that has at least `columns`; the columns in `text` stay text, missing values there are ''.
+
+    Raises:
+        InputError: the file is missing, is not CSV, or lacks a column.
+    """
     source = io.StringIO(read_text(path))
     try:
         table = pd.read_csv(source, dtype=dict.fromkeys(text, str), keep_default_na=False, na_values=[""])

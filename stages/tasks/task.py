@@ -34,7 +34,11 @@ class Task:
         return target_joint(folder, self.part_type, like, flaps)
 
     def suitable_joint(self, folder: Path) -> str:
-        """The name of that joint; `InputError`: the asset has none."""
+        """The name of that joint.
+
+        Raises:
+            InputError: the asset has none.
+        """
         panel = self.target_joint(folder)
         if panel is None:
             what = f"has no {self.part_type} with a handle."

@@ -99,7 +99,11 @@ def is_stretched(one: tuple[float, float], other: tuple[float, float]) -> bool:
 
 
 def check_upright(path: Path) -> None:
-    """Refuse a picture that its EXIF data turn: nothing tells how depth, masks and camera lie on it."""
+    """Refuse a picture that its EXIF data turn.
+
+    Raises:
+        InputError: they do; nothing tells how depth, masks and camera lie on it.
+    """
     if (orientation := orientation_of(path)) != 1:
         what = f"is turned by its EXIF data (orientation {orientation}), and nothing tells whether its depth is."
         mend = "save the picture upright, without EXIF data, as the same view as depth and masks"

@@ -105,14 +105,22 @@ def list_corners(left: float, top: float, right: float, bottom: float) -> NDArra
 
 
 def check_size(path: Path, found: tuple[int, int], width: int, height: int, fix: str = "") -> None:
-    """Refuse masks of another size (width, height) than the picture's; `fix`: how masks of its size are had."""
+    """Refuse masks of another size (width, height) than the picture's; `fix`: how masks of its size are had.
+
+    Raises:
+        InputError: they are.
+    """
     if found != (width, height):
         what = f"is of {found[0]}x{found[1]} pixels, but the picture has {width}x{height}."
         raise InputError(path, what, fix or "masks of this very picture", code="E-MASKS-SIZE")
 
 
 def check_count(path: Path, count: int, width: int, height: int) -> None:
-    """Refuse so many masks of a picture as fill the memory."""
+    """Refuse so many masks of a picture as fill the memory.
+
+    Raises:
+        InputError: they do.
+    """
     if count * width * height > MAX_BYTES:
         what = f"has {count} masks of this picture or more."
         raise InputError(path, what, "give those of its things alone", code="E-FILE-LARGE")
