@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from roomkin.stages.contracts.policy_config import TaskConfig
-from roomkin.stages.simulation.film_renderer import FilmRenderer, Shot, directions, pick_evenly
+from roomkin.stages.simulation.film_renderer import HAND, FilmRenderer, Shot, directions, pick_evenly
 from roomkin.stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
+from roomkin.stages.simulation.loading import remove
+from roomkin.stages.simulation.rendering import add_block
 from roomkin.stages.tasks.api import EnvWrapper
 from tests.unit.demo_assets import cabinet
 
@@ -42,6 +44,10 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     shot = Shot(renderer, recording, recording.moments)
     pictures = [shot.picture(moment) for moment in recording.moments]
     assert all(shot._sees_hand(shot.world_from_camera, moment) for moment in recording.moments)
+    hand = next(link.pose.p for link in shot.robot.links if link.name == HAND)
+    screen = add_block(shot.scene, (hand + shot.world_from_camera[:3, 3]) / 2, [0.3] * 3, (1, 0, 0), "screen")
+    assert not shot._sees_hand(shot.world_from_camera, recording.moments[-1]), "something is before it"
+    remove(shot.scene, screen)
     assert (renderer.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
     shot.close()
     assert all(picture.shape == (360, 480, 3) for picture in pictures) and (pictures[0] != pictures[1]).any()

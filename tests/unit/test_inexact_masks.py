@@ -140,13 +140,15 @@ def test_what_was_drawn_covers_what_was_found_whichever_comes_first() -> None:
 
 def test_what_was_drawn_anew_has_no_box_or_front_of_what_was_found() -> None:
     found, cut = np.full((40, 40), OBJECT, np.uint16), Cutter(np.zeros((40, 40, 3), np.uint8))
-    given = Annotations(objects=[Annotation(mask=OBJECT, label="box", front=0.5)], floor=None, walls=[])
-    fronts = []
+    stated = Box(center=(0, 0, 1), size=(1, 1, 1), yaw=0), True, 0.5
+    known = dict(zip(("box", "guessed", "front"), stated, strict=True))
+    given = Annotations(objects=[Annotation(mask=OBJECT, label="box", **known)], floor=None, walls=[])
+    kept = []
     for told in ({}, {"outline": SQUARE}):
         corrected, _, _ = correct_masks(given, found, {OBJECT: Correction(mask=OBJECT, **told)}, cut)
         assert corrected is not None
-        fronts.append(corrected.objects[0].front)
-    assert fronts == [0.5, None]
+        kept.append(tuple(getattr(corrected.objects[0], name) for name in known))
+    assert kept == [stated, (None, False, None)]
 
 
 def test_corrections_that_leave_nothing_are_refused() -> None:

@@ -195,10 +195,13 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch
         system.check_writable(tmp_path)
 
 
-def test_a_pipe_in_the_place_of_a_text_is_refused(tmp_path: Path) -> None:
+def test_a_pipe_or_a_folder_in_the_place_of_a_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "annotations.json")
     with refused("E-FILE-UNREADABLE", "pipe"):
         read_text(tmp_path / "annotations.json")
+    (tmp_path / "depth.npz").mkdir()
+    with refused("E-FILE-UNREADABLE", "depth.npz: is no file, but a folder"):
+        read_npz(tmp_path / "depth.npz")
 
 
 @pytest.mark.parametrize("read", [read_text, read_rgb, read_npz])
